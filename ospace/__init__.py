@@ -1,0 +1,69 @@
+"""Operational-space dynamics and control of space robots.
+
+The recursions of Abiko & Hirzinger, *Operational Space Dynamics of a Space Robot and Computational Efficient
+Algorithm*, on Pinocchio's frame data, with the dense forms beside them to check against.
+
+    >>> import ospace
+    >>> robot = ospace.SpaceRobot.from_urdf(ospace.models.path("chaser_24dof"))
+    >>> state = robot.state(robot.configuration({"right_arm_4": 1.2}))
+    >>> ospace.operational_space(state, robot.point("right_hand")).inertia.shape
+    (6, 6)
+
+Names load on first use, so that ``import ospace`` costs nothing.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ospace import models as models
+    from ospace.dynamics.free_floating import free_floating as free_floating
+    from ospace.dynamics.generalized_jacobian import generalized_jacobian as generalized_jacobian
+    from ospace.dynamics.joint_space import generalized_dynamics as generalized_dynamics
+    from ospace.dynamics.joint_space import joint_space_dynamics as joint_space_dynamics
+    from ospace.dynamics.joint_space import momentum as momentum
+    from ospace.dynamics.operational_space import operational_space as operational_space
+    from ospace.exceptions import DependentRowsError as DependentRowsError
+    from ospace.exceptions import OspaceError as OspaceError
+    from ospace.exceptions import SingularInertiaError as SingularInertiaError
+    from ospace.exceptions import UnsoundModelError as UnsoundModelError
+    from ospace.exceptions import UrdfError as UrdfError
+    from ospace.points import OperationalPoint as OperationalPoint
+    from ospace.robot import SpaceRobot as SpaceRobot
+    from ospace.state import State as State
+
+__version__ = "0.1.0"
+
+_HOME = {
+    "SpaceRobot": "robot",
+    "State": "state",
+    "OperationalPoint": "points",
+    "momentum": "dynamics.joint_space",
+    "joint_space_dynamics": "dynamics.joint_space",
+    "generalized_dynamics": "dynamics.joint_space",
+    "generalized_jacobian": "dynamics.generalized_jacobian",
+    "operational_space": "dynamics.operational_space",
+    "free_floating": "dynamics.free_floating",
+    "OspaceError": "exceptions",
+    "UrdfError": "exceptions",
+    "UnsoundModelError": "exceptions",
+    "SingularInertiaError": "exceptions",
+    "DependentRowsError": "exceptions",
+}
+__all__ = [*_HOME, "models"]
+
+
+def __getattr__(name: str) -> Any:
+    if name == "models":
+        return importlib.import_module("ospace.models")
+    if name not in _HOME:
+        raise AttributeError(f"module 'ospace' has no attribute '{name}'")
+    value = getattr(importlib.import_module(f"ospace.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

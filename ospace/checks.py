@@ -1,0 +1,29 @@
+"""Checks of numbers that users hand in, and of numbers that are handed out."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from ospace.exceptions import OspaceError
+from ospace.kernels.tables import Floats
+
+
+def checked_vector(given: npt.ArrayLike, size: int, name: str, robot: str) -> Floats:
+    """Return a copy of `given` as (size,) float64; raises `OspaceError` for another shape or numbers not finite."""
+    try:
+        vector = np.array(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise OspaceError(f"{name} is no array of numbers: {given!r}") from None
+    if vector.shape != (size,):
+        raise OspaceError(f"{name} has shape {vector.shape}; robot '{robot}' needs ({size},)")
+    wrong = np.flatnonzero(~np.isfinite(vector))
+    if wrong.size:
+        raise OspaceError(f"{name}[{wrong[0]}] is {vector[wrong[0]]}: all numbers must be finite")
+    return vector
+
+
+def all_finite(results: tuple[Floats, ...], what: str) -> None:
+    """Raise `OspaceError` if a result is not finite: inputs so large that the arithmetic overflowed."""
+    if not all(np.isfinite(result).all() for result in results):
+        raise OspaceError(f"{what} is not finite: positions or velocities of this state are too large to compute with")

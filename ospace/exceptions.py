@@ -1,0 +1,92 @@
+"""What ospace raises: `OspaceError` and its few children, each with the data that explains it."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ospace.urdf.findings import Finding
+
+
+class OspaceError(Exception):
+    """Base of all errors that ospace raises on purpose; the message says what is wrong and what would be right."""
+
+
+class UrdfError(OspaceError):
+    """The file could not be read as a URDF.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    """
+
+    def __init__(self, path: Path, reason: str) -> None:
+        super().__init__(f"{path}: {reason}")
+        self.path = path
+        self.reason = reason
+
+
+class UnsoundModelError(OspaceError):
+    """The model was read, and its dynamics make no physical sense.
+
+    Attributes
+    ----------
+    findings : tuple of Finding
+        What is wrong, each with link or joint and remedy.
+    """
+
+    def __init__(self, name: str, findings: Iterable[Finding]) -> None:
+        self.findings = tuple(findings)
+        lines = "".join(f"\n  {finding}" for finding in self.findings if finding.severity == "error")
+        super().__init__(f"robot '{name}' has no sound dynamics:{lines}")
+
+
+class SingularInertiaError(OspaceError):
+    """A joint moves nothing: no inertia is left to resist it, so accelerations are not defined.
+
+    Attributes
+    ----------
+    joint : str
+        The joint.
+    """
+
+    def __init__(self, joint: str) -> None:
+        super().__init__(
+            f"joint '{joint}' carries no inertia in this state, so the joint-space inertia is singular: "
+            f"give the links beyond '{joint}' mass and inertia, or make the joint fixed"
+        )
+        self.joint = joint
+
+
+class DependentRowsError(OspaceError):
+    """The rows of the operational points depend on each other, so Γ_e has no inverse.
+
+    Attributes
+    ----------
+    rank, rows : int
+        Rank found, and rows given.
+    points : tuple of str
+        Points with rows that take part in the dependency.
+    """
+
+    def __init__(self, rank: int, rows: int, points: Iterable[str]) -> None:
+        self.rank, self.rows, self.points = rank, rows, tuple(points)
+        named = ", ".join(f"'{name}'" for name in self.points)
+        super().__init__(
+            f"the {rows} rows of the operational points have rank {rank} in this state; rows of {named} depend on "
+            f"each other: take fewer rows with robot.point(…, axes=…), or strict=False for the pseudo-inverse"
+        )
+
+
+def closest(name: str, choices: Iterable[str]) -> str:
+    """Return ``; did you mean 'x'?`` for an unknown `name`, or the choices where nothing is near."""
+    known = sorted(set(choices))
+    near = difflib.get_close_matches(name, known, n=3)
+    if near:
+        return "; did you mean " + " or ".join(f"'{one}'" for one in near) + "?"
+    shown = ", ".join(known[:12]) + (f", … ({len(known)} in all)" if len(known) > 12 else "")
+    return f"; known: {shown}" if known else ""

@@ -1,0 +1,62 @@
+"""Where compiled kernels are kept between processes.
+
+Numba looks at the file of the entry alone when it decides whether a cached kernel is still good; an edit in a
+file that the entry inlines would go unnoticed and old results come back. So every state of the sources has a
+folder of its own, named by a hash over all kernel files and the versions of what compiles them.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+
+import llvmlite
+import numba
+import numpy
+
+
+def _root() -> Path:
+    if chosen := os.environ.get("OSPACE_CACHE_DIR"):
+        return Path(chosen)
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "ospace"
+
+
+@cache
+def directory() -> Path | None:
+    """Return the folder of the compiled kernels, or None where no such folder can be written.
+
+    It lies in ``$OSPACE_CACHE_DIR``, else ``$XDG_CACHE_HOME/ospace``, else ``~/.cache/ospace``.
+    """
+    versions = (platform.python_version(), numba.__version__, llvmlite.__version__, numpy.__version__)
+    key = hashlib.sha256(" ".join(versions).encode())
+    for source in sorted(Path(__file__).parent.glob("*.py")):
+        key.update(source.name.encode())
+        key.update(source.read_bytes())
+    try:
+        folder = _root() / f"kernels-{key.hexdigest()[:16]}"
+        folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
+    except (OSError, RuntimeError):  # RuntimeError: no home folder
+        return None
+    return folder
+
+
+@contextmanager
+def keyed_on_sources() -> Iterator[bool]:
+    """Make numba keep what is decorated inside in `directory`; yield whether it can be kept at all."""
+    folder = directory()
+    if folder is None:
+        yield False
+        return
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(folder)
+    try:
+        yield True
+    finally:
+        numba.config.CACHE_DIR = before

@@ -1,0 +1,313 @@
+"""Spatial algebra on tuples of numbers.
+
+====== =======================================================================================
+3      vector
+6      motion or force, linear part first
+9      3×3 matrix by columns, as Pinocchio stores a rotation
+sym3   symmetric 3×3 as the 6 numbers of its lower rows
+21     symmetric 6×6 (inertia, or inverse inertia) as its lower rows
+36     6×6 matrix by rows
+====== =======================================================================================
+
+All quantities of a state stand in one frame: inertial axes, centred on the base. In a common frame every
+transform of the paper between links is the identity; only operational points lie elsewhere (`motion_at`).
+"""
+
+from __future__ import annotations
+
+from ospace.kernels.lanes import Number, Row, inlined, like
+
+# -- three-dimensional ---------------------------------------------------------------------------------------
+
+
+@inlined
+def add3(a: Row, b: Row) -> Row:
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+@inlined
+def scale3(a: Row, k: Number) -> Row:
+    return (a[0] * k, a[1] * k, a[2] * k)
+
+
+@inlined
+def cross(a: Row, b: Row) -> Row:
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+@inlined
+def rotate(R: Row, a: Row) -> Row:
+    """R a."""
+    return add3(add3(scale3(R[0:3], a[0]), scale3(R[3:6], a[1])), scale3(R[6:9], a[2]))
+
+
+@inlined
+def rotate_sym3(R: Row, I: Row) -> Row:
+    """R I Rᵀ."""
+    x = rotate(R, (I[0], I[1], I[3]))  # the columns of R I
+    y = rotate(R, (I[1], I[2], I[4]))
+    z = rotate(R, (I[3], I[4], I[5]))
+    return sym3_of_product(x + y + z, R)
+
+
+@inlined
+def sym3_of_product(A: Row, B: Row) -> Row:
+    """A Bᵀ, where it is symmetric."""
+    return (
+        A[0] * B[0] + A[3] * B[3] + A[6] * B[6],
+        A[1] * B[0] + A[4] * B[3] + A[7] * B[6],
+        A[1] * B[1] + A[4] * B[4] + A[7] * B[7],
+        A[2] * B[0] + A[5] * B[3] + A[8] * B[6],
+        A[2] * B[1] + A[5] * B[4] + A[8] * B[7],
+        A[2] * B[2] + A[5] * B[5] + A[8] * B[8],
+    )
+
+
+@inlined
+def sym3_to_mat(a: Row) -> Row:
+    return (a[0], a[1], a[3], a[1], a[2], a[4], a[3], a[4], a[5])
+
+
+@inlined
+def sym3_inverse(a: Row) -> Row:
+    c0 = a[2] * a[5] - a[4] * a[4]
+    c1 = a[3] * a[4] - a[1] * a[5]
+    c3 = a[1] * a[4] - a[2] * a[3]
+    k = 1.0 / (a[0] * c0 + a[1] * c1 + a[3] * c3)
+    return (
+        c0 * k,
+        c1 * k,
+        (a[0] * a[5] - a[3] * a[3]) * k,
+        c3 * k,
+        (a[1] * a[3] - a[0] * a[4]) * k,
+        (a[0] * a[2] - a[1] * a[1]) * k,
+    )
+
+
+@inlined
+def sym3_sub(a: Row, b: Row) -> Row:
+    return add3(a[0:3], scale3(b[0:3], -1.0)) + add3(a[3:6], scale3(b[3:6], -1.0))
+
+
+# -- motions and forces --------------------------------------------------------------------------------------
+
+
+@inlined
+def add6(a: Row, b: Row) -> Row:
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3], a[4] + b[4], a[5] + b[5])
+
+
+@inlined
+def sub6(a: Row, b: Row) -> Row:
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3], a[4] - b[4], a[5] - b[5])
+
+
+@inlined
+def scale6(a: Row, k: Number) -> Row:
+    return (a[0] * k, a[1] * k, a[2] * k, a[3] * k, a[4] * k, a[5] * k)
+
+
+@inlined
+def dot6(a: Row, b: Row) -> Number:
+    return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) + (a[3] * b[3] + a[4] * b[4] + a[5] * b[5])
+
+
+@inlined
+def zero6(a: Row) -> Row:
+    """Six zeros, of the kind of number that `a` holds."""
+    o = like(0.0, a[0])
+    return (o, o, o, o, o, o)
+
+
+@inlined
+def linear(a: Row) -> Row:
+    return a[0:3]
+
+
+@inlined
+def angular(a: Row) -> Row:
+    return a[3:6]
+
+
+@inlined
+def cross_force(v: Row, f: Row) -> Row:
+    """v ×̂ f for a momentum or force f: [ω̃ 0; ṽ ω̃] f (the dual of the operator on motions)."""
+    return cross(angular(v), linear(f)) + add3(cross(linear(v), linear(f)), cross(angular(v), angular(f)))
+
+
+@inlined
+def motion_at(p: Row, v: Row) -> Row:
+    """The motion v, given at the base, at the point p: ᵉX ᵀv = [v + ω × p; ω]."""
+    return add3(linear(v), cross(angular(v), p)) + angular(v)
+
+
+@inlined
+def force_from(p: Row, f: Row) -> Row:
+    """The force f, given at the point p, at the base: X f = [f; n + p × f]."""
+    return linear(f) + add3(angular(f), cross(p, linear(f)))
+
+
+@inlined
+def classical(a: Row, v: Row) -> Row:
+    """ẍ = a − [v × ω; 0]: the conventional acceleration of the point at which a and v are given."""
+    return add3(linear(a), cross(angular(v), linear(v))) + angular(a)
+
+
+# -- symmetric 6×6 -------------------------------------------------------------------------------------------
+
+
+@inlined
+def rigid_inertia(c: Row, m: Number, I: Row) -> Row:
+    """Inertia about the origin of a mass m at c with rotational inertia I about c: [m −m c̃; m c̃ I − m c̃ c̃]."""
+    h = scale3(c, m)
+    o = like(0.0, h[0])
+    m = m + o
+    return (
+        (m, o, m, o, o, m)
+        + (o, -h[2], h[1], I[0] + h[1] * c[1] + h[2] * c[2])
+        + (h[2], o, -h[0], I[1] - h[1] * c[0], I[2] + h[0] * c[0] + h[2] * c[2])
+        + (-h[1], h[0], o, I[3] - h[2] * c[0], I[4] - h[2] * c[1], I[5] + h[0] * c[0] + h[1] * c[1])
+    )
+
+
+@inlined
+def sym6_mul(A: Row, s: Row) -> Row:
+    """A s."""
+    return (
+        (A[0] * s[0] + A[1] * s[1] + A[3] * s[2]) + (A[6] * s[3] + A[10] * s[4] + A[15] * s[5]),
+        (A[1] * s[0] + A[2] * s[1] + A[4] * s[2]) + (A[7] * s[3] + A[11] * s[4] + A[16] * s[5]),
+        (A[3] * s[0] + A[4] * s[1] + A[5] * s[2]) + (A[8] * s[3] + A[12] * s[4] + A[17] * s[5]),
+        (A[6] * s[0] + A[7] * s[1] + A[8] * s[2]) + (A[9] * s[3] + A[13] * s[4] + A[18] * s[5]),
+        (A[10] * s[0] + A[11] * s[1] + A[12] * s[2]) + (A[13] * s[3] + A[14] * s[4] + A[19] * s[5]),
+        (A[15] * s[0] + A[16] * s[1] + A[17] * s[2]) + (A[18] * s[3] + A[19] * s[4] + A[20] * s[5]),
+    )
+
+
+@inlined
+def sym6_sub(A: Row, B: Row) -> Row:
+    return (
+        sub6(A[0:6], B[0:6]) + sub6(A[6:12], B[6:12]) + sub6(A[12:18], B[12:18])
+        + (A[18] - B[18], A[19] - B[19], A[20] - B[20])
+    )  # fmt: skip
+
+
+@inlined
+def sym6_outer(u: Row, w: Row) -> Row:
+    """u wᵀ, where w is a multiple of u."""
+    return (
+        (u[0] * w[0],)
+        + (u[1] * w[0], u[1] * w[1])
+        + (u[2] * w[0], u[2] * w[1], u[2] * w[2])
+        + (u[3] * w[0], u[3] * w[1], u[3] * w[2], u[3] * w[3])
+        + (u[4] * w[0], u[4] * w[1], u[4] * w[2], u[4] * w[3], u[4] * w[4])
+        + (u[5] * w[0], u[5] * w[1], u[5] * w[2], u[5] * w[3], u[5] * w[4], u[5] * w[5])
+    )
+
+
+@inlined
+def sym6_to_mat(A: Row) -> Row:
+    return (
+        (A[0], A[1], A[3], A[6], A[10], A[15])
+        + (A[1], A[2], A[4], A[7], A[11], A[16])
+        + (A[3], A[4], A[5], A[8], A[12], A[17])
+        + (A[6], A[7], A[8], A[9], A[13], A[18])
+        + (A[10], A[11], A[12], A[13], A[14], A[19])
+        + (A[15], A[16], A[17], A[18], A[19], A[20])
+    )
+
+
+@inlined
+def sym6_inverse(A: Row) -> Row:
+    """A⁻¹ by blocks [M Hᵀ; H J]; for an inertia, the Schur complement of M is the rotational part about the mass centre."""
+    H = (A[6], A[10], A[15], A[7], A[11], A[16], A[8], A[12], A[17])
+    M = sym3_inverse((A[0], A[1], A[2], A[3], A[4], A[5]))
+    T = mat3_mul(H, sym3_to_mat(M))
+    C = sym3_inverse(sym3_sub((A[9], A[13], A[14], A[18], A[19], A[20]), sym3_of_product(T, H)))
+    Q = mat3_mul(sym3_to_mat(C), T)
+    N = sym3_of_product(mat3_transpose(T), mat3_transpose(Q))
+    return (
+        (M[0] + N[0], M[1] + N[1], M[2] + N[2], M[3] + N[3], M[4] + N[4], M[5] + N[5])
+        + (-Q[0], -Q[3], -Q[6], C[0])
+        + (-Q[1], -Q[4], -Q[7], C[1], C[2])
+        + (-Q[2], -Q[5], -Q[8], C[3], C[4], C[5])
+    )
+
+
+@inlined
+def mat3_mul(A: Row, B: Row) -> Row:
+    return rotate(A, B[0:3]) + rotate(A, B[3:6]) + rotate(A, B[6:9])
+
+
+@inlined
+def mat3_transpose(A: Row) -> Row:
+    return (A[0], A[3], A[6], A[1], A[4], A[7], A[2], A[5], A[8])
+
+
+# -- full 6×6 ------------------------------------------------------------------------------------------------
+
+
+@inlined
+def mat6_mul(K: Row, s: Row) -> Row:
+    """K s."""
+    return (
+        (dot6(K[0:6], s), dot6(K[6:12], s), dot6(K[12:18], s))
+        + (dot6(K[18:24], s), dot6(K[24:30], s), dot6(K[30:36], s))
+    )  # fmt: skip
+
+
+@inlined
+def mul_mat6(s: Row, K: Row) -> Row:
+    """sᵀ K."""
+    return add6(
+        add6(add6(scale6(K[0:6], s[0]), scale6(K[6:12], s[1])), add6(scale6(K[12:18], s[2]), scale6(K[18:24], s[3]))),
+        add6(scale6(K[24:30], s[4]), scale6(K[30:36], s[5])),
+    )
+
+
+@inlined
+def mat6_add_outer(K: Row, u: Row, w: Row) -> Row:
+    """K + u wᵀ."""
+    return (
+        add6(K[0:6], scale6(w, u[0])) + add6(K[6:12], scale6(w, u[1])) + add6(K[12:18], scale6(w, u[2]))
+        + add6(K[18:24], scale6(w, u[3])) + add6(K[24:30], scale6(w, u[4])) + add6(K[30:36], scale6(w, u[5]))
+    )  # fmt: skip
+
+
+@inlined
+def mat6_transpose(K: Row) -> Row:
+    return (
+        (K[0], K[6], K[12], K[18], K[24], K[30])
+        + (K[1], K[7], K[13], K[19], K[25], K[31])
+        + (K[2], K[8], K[14], K[20], K[26], K[32])
+        + (K[3], K[9], K[15], K[21], K[27], K[33])
+        + (K[4], K[10], K[16], K[22], K[28], K[34])
+        + (K[5], K[11], K[17], K[23], K[29], K[35])
+    )
+
+
+@inlined
+def motions_at(p: Row, K: Row) -> Row:
+    """ᵉXᵀ K: the six motions in the columns of K, given at the base, at the point p."""
+    return (
+        add6(K[0:6], sub6(scale6(K[24:30], p[2]), scale6(K[30:36], p[1])))
+        + add6(K[6:12], sub6(scale6(K[30:36], p[0]), scale6(K[18:24], p[2])))
+        + add6(K[12:18], sub6(scale6(K[18:24], p[1]), scale6(K[24:30], p[0])))
+        + K[18:36]
+    )
+
+
+@inlined
+def forces_from(p: Row, K: Row) -> Row:
+    """X K: the six forces in the columns of K, given at the point p, at the base: [f; n + p × f]."""
+    return (
+        K[0:18]
+        + add6(K[18:24], sub6(scale6(K[12:18], p[1]), scale6(K[6:12], p[2])))
+        + add6(K[24:30], sub6(scale6(K[0:6], p[2]), scale6(K[12:18], p[0])))
+        + add6(K[30:36], sub6(scale6(K[6:12], p[0]), scale6(K[0:6], p[1])))
+    )
+
+
+@inlined
+def between_points(p: Row, K: Row, r: Row) -> Row:
+    """ᵉXᵀ K X: K takes a force to a motion, both at the base; the result takes a force at r to a motion at p."""
+    return mat6_transpose(motions_at(r, mat6_transpose(motions_at(p, K))))

@@ -1,0 +1,31 @@
+"""The robots that come with ospace, by name: sources and assumptions stand in each file's header."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ospace.exceptions import OspaceError, closest
+
+
+def _folder() -> Path:
+    """Beside this file where ospace is installed; in a checkout, ``models/`` at its top."""
+    here = Path(__file__).parent
+    return here if any(here.glob("*.urdf")) else here.parents[1] / "models"
+
+
+def names() -> list[str]:
+    """Return the names that `path` knows."""
+    return sorted(file.stem for file in _folder().glob("*.urdf"))
+
+
+def path(name: str) -> Path:
+    """Return the URDF of the robot called `name`, such as ``"chaser_24dof"``.
+
+    Raises
+    ------
+    OspaceError
+        No robot of that name comes with ospace.
+    """
+    if name not in names():
+        raise OspaceError(f"no model '{name}' comes with ospace{closest(name, names())}")
+    return _folder() / f"{name}.urdf"

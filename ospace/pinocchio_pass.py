@@ -1,0 +1,87 @@
+"""One pass of Pinocchio's kinematics, seen without a copy.
+
+Python access to ``data.oMi[i]`` costs microseconds a body. Pinocchio keeps these quantities in contiguous C++
+arrays, so a NumPy view of the memory gives all bodies at once. Strides belong to the wheel, not to the interface:
+they are tried out on a moving robot once, and where they do not hold the plain way is taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pinocchio as pin
+
+from ospace.kernels.tables import Floats
+
+_SE3, _MOTION = 12, 6  # numbers from one body to the next
+
+
+class PinocchioPass:
+    """`pin.Data` of a model, and what a pass leaves in it as arrays.
+
+    Attributes
+    ----------
+    placements : (njoints, 12) rotation by columns, then translation, of each joint; world axes and origin.
+    accelerations : (njoints, 6) spatial accelerations at zero q̈; world axes and origin.
+    columns : (nv, 6) joint columns; world axes and origin.
+    """
+
+    def __init__(self, model: pin.Model) -> None:
+        self.model = model
+        self.data = model.createData()
+        self._still = np.zeros(model.nv)
+        self.columns: Floats = self.data.J.T
+        self.zero_copy = self._views_hold()
+        if not self.zero_copy:
+            self.placements = np.zeros((model.njoints, _SE3))
+            self.accelerations = np.zeros((model.njoints, _MOTION))
+            self.columns = np.zeros((model.nv, 6))
+
+    def run(self, q: Floats, v: Floats) -> None:
+        """Let Pinocchio compute placements, joint columns and bias accelerations at (q, v)."""
+        pin.computeForwardKinematicsDerivatives(self.model, self.data, q, v, self._still)
+        if not self.zero_copy:
+            self.placements[:] = _placements(self.data)
+            self.accelerations[:] = _accelerations(self.data)
+            self.columns[:] = self.data.J.T
+
+    def _views_hold(self) -> bool:
+        rng = np.random.default_rng(0)
+        q = pin.integrate(self.model, pin.neutral(self.model), rng.normal(size=self.model.nv))
+        try:
+            self.placements = _view([body.rotation for body in (self.data.oMi[0], self.data.oMi[1])], self.data, _SE3)
+            self.accelerations = _view([body.linear for body in (self.data.oa[0], self.data.oa[1])], self.data, _MOTION)
+        except (AttributeError, KeyError, TypeError, ValueError):
+            return False
+        pin.computeForwardKinematicsDerivatives(self.model, self.data, q, rng.normal(size=self.model.nv), self._still)
+        return (
+            np.array_equal(self.placements, _placements(self.data))
+            and np.array_equal(self.accelerations, _accelerations(self.data))
+            and np.array_equal(self.columns, np.array(self.data.J.T))
+            and self.columns.flags.c_contiguous
+        )
+
+
+def _placements(data: pin.Data) -> Floats:
+    return np.array([np.r_[M.rotation.ravel(order="F"), M.translation] for M in data.oMi])
+
+
+def _accelerations(data: pin.Data) -> Floats:
+    return np.array([a.vector for a in data.oa])
+
+
+class _Memory:
+    """Memory that `owner` keeps alive, offered to NumPy."""
+
+    def __init__(self, owner: pin.Data, address: int, shape: tuple[int, int]) -> None:
+        self.owner = owner
+        self.__array_interface__ = {"data": (address, True), "shape": shape, "typestr": "<f8", "version": 3}
+
+
+def _view(first_two: Sequence[Floats], owner: pin.Data, numbers: int) -> Floats:
+    """Return the rows that start where the first two bodies' arrays start; ValueError where these are not neighbours."""
+    here, there = (int(array.__array_interface__["data"][0]) for array in first_two)
+    if there - here != 8 * numbers:
+        raise ValueError("bodies do not lie side by side")
+    return np.asarray(_Memory(owner, here, (len(owner.oMi), numbers)))

@@ -1,0 +1,122 @@
+"""Operational points: frames of a robot, with an offset and a choice of rows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from ospace.exceptions import OspaceError
+from ospace.kernels.tables import Points
+
+if TYPE_CHECKING:
+    from ospace.robot import SpaceRobot
+
+Axes = str | Sequence[bool]
+ROW_NAMES = ("x", "y", "z", "rx", "ry", "rz")
+_NAMED_AXES = {"all": (True,) * 6, "linear": (True,) * 3 + (False,) * 3, "angular": (False,) * 3 + (True,) * 3}
+
+
+@dataclass(frozen=True, eq=False)
+class OperationalPoint:
+    """A point fixed to a link, and the rows of its motion that count; made by `SpaceRobot.point`.
+
+    Attributes
+    ----------
+    robot : SpaceRobot
+    frame : str
+        The frame's name.
+    axes : tuple of 6 bool
+        Rows taken: x, y, z, then rotation about x, y, z; inertial axes.
+    joint : int
+        Pinocchio's number of the joint that carries the point.
+    placement : pin.SE3
+        The point in the joint's frame, offset included.
+    """
+
+    robot: SpaceRobot = field(repr=False)
+    frame: str
+    axes: tuple[bool, ...]
+    joint: int = field(repr=False)
+    placement: pin.SE3 = field(repr=False)
+
+    @property
+    def n_rows(self) -> int:
+        """Rows that the point takes."""
+        return sum(self.axes)
+
+    @property
+    def row_names(self) -> list[str]:
+        """Names of the rows taken, as ``'hand.x'``."""
+        return [f"{self.frame}.{name}" for name, taken in zip(ROW_NAMES, self.axes, strict=True) if taken]
+
+
+def parse_axes(axes: Axes) -> tuple[bool, ...]:
+    """Return six booleans for a name or six booleans; raises `OspaceError` for anything else."""
+    if isinstance(axes, str):
+        if axes not in _NAMED_AXES:
+            raise OspaceError(f"axes '{axes}' is unknown: give 'all', 'linear', 'angular' or six booleans")
+        return _NAMED_AXES[axes]
+    try:
+        taken = np.asarray(axes)
+    except ValueError:
+        taken = np.empty(0)
+    if taken.shape != (6,) or not np.isin(taken, (0, 1)).all():
+        raise OspaceError(f"axes {axes!r}: give 'all', 'linear', 'angular' or six booleans (x, y, z, rx, ry, rz)")
+    if not taken.any():
+        raise OspaceError("axes takes no row: at least one of the six must be True")
+    return tuple(bool(one) for one in taken)
+
+
+@dataclass(frozen=True, eq=False)
+class PointSet:
+    """Several points as the kernels take them.
+
+    Attributes
+    ----------
+    points : tuple of OperationalPoint
+    table : Points
+    rows : (r,) int array
+        Rows taken, out of the 6p of all points.
+    """
+
+    points: tuple[OperationalPoint, ...]
+    table: Points
+    rows: npt.NDArray[np.int64]
+
+    @property
+    def row_names(self) -> list[str]:
+        """Names of the rows taken."""
+        return [name for point in self.points for name in point.row_names]
+
+
+def point_set(robot: SpaceRobot, points: OperationalPoint | Sequence[OperationalPoint]) -> PointSet:
+    """Gather `points`; raises `OspaceError` if there is none, or one is another robot's or no point at all."""
+    given = (points,) if isinstance(points, OperationalPoint) else tuple(points)
+    if not given:
+        raise OspaceError("no operational point given: make one with robot.point('frame name')")
+    for point in given:
+        if not isinstance(point, OperationalPoint):
+            raise OspaceError(f"{point!r} is no operational point: make one with robot.point('frame name')")
+        if point.robot is not robot:
+            raise OspaceError(
+                f"point '{point.frame}' belongs to another robot ('{point.robot.name}'): "
+                f"make it with the point() of the robot whose state is used ('{robot.name}')"
+            )
+    link = np.array([robot.link_of_joint[point.joint] for point in given])
+    paths = [robot.path_to(int(i)) for i in link]
+    path = np.zeros((len(given), max(1, max(map(len, paths)))), dtype=np.int64)
+    for row, links in zip(path, paths, strict=True):
+        row[: len(links)] = links
+    table = Points(
+        link,
+        np.array([point.joint for point in given]),
+        np.array([point.placement.translation for point in given]),
+        path,
+        np.array([len(links) for links in paths]),
+    )
+    return PointSet(given, table, np.flatnonzero(np.concatenate([point.axes for point in given])))

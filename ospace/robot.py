@@ -1,0 +1,325 @@
+"""The robot: a Pinocchio model with a free-flying base, laid out for the recursions."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from ospace.checks import checked_vector
+from ospace.exceptions import OspaceError, UnsoundModelError, closest
+from ospace.joint_positions import Position, from_q, to_q
+from ospace.kernels.tables import Floats, Links
+from ospace.pinocchio_pass import PinocchioPass
+from ospace.points import Axes, OperationalPoint, parse_axes
+from ospace.state import State
+from ospace.urdf import findings, reader
+from ospace.urdf.findings import Finding
+
+_BASE_NV, _BASE_NQ = 6, 7
+
+
+class SpaceRobot:
+    """A space robot: any tree of links on a base that floats freely, without gravity.
+
+    Make one with `from_urdf`, or from a Pinocchio model with `from_model`.
+
+    Attributes
+    ----------
+    model : pin.Model
+        Pinocchio's model; joint 1 is the free-flyer, gravity is zero.
+    name : str
+    findings : tuple of Finding
+        What is odd about it: warnings only, a robot with errors is refused.
+    source : Path or None
+        The URDF it was read from.
+    package_dirs : tuple of Path
+        Where ``package://`` names of meshes are looked up.
+    """
+
+    def __init__(
+        self,
+        model: pin.Model,
+        known: Iterable[Finding] = (),
+        *,
+        source: Path | None = None,
+        package_dirs: Iterable[str | PathLike[str]] = (),
+    ) -> None:
+        _check_floating_base(model)
+        self.model = model
+        self.model.gravity = pin.Motion.Zero()
+        self.name: str = model.name
+        self.source = source
+        self.package_dirs = tuple(Path(folder) for folder in package_dirs)
+        self.findings = (*known, *findings.of_model(model))
+        if any(finding.severity == "error" for finding in self.findings):
+            raise UnsoundModelError(self.name, self.findings)
+        self.links = _links(model)
+        self.link_of_joint: npt.NDArray[np.int64] = _last_links(model)
+        self._local = threading.local()
+
+    @classmethod
+    def from_urdf(
+        cls, path: str | PathLike[str], package_dirs: Sequence[str | PathLike[str]] = ()
+    ) -> SpaceRobot:
+        """Read a robot from a URDF; its root link becomes the freely floating base.
+
+        Parameters
+        ----------
+        path : path-like
+            The file.
+        package_dirs : sequence of path-like
+            Folders in which ``package://`` mesh names are looked up; dynamics need none.
+
+        Raises
+        ------
+        UrdfError
+            The file is missing, is no URDF, or Pinocchio rejects it.
+        UnsoundModelError
+            The inertias make no physical sense, such as a base without mass.
+
+        Notes
+        -----
+        Fixed joints are merged. A ``mimic`` joint is an independent joint here: its coupling is not enforced.
+        """
+        file = Path(path)
+        reading = reader.read(file)
+        return cls(reading.model, reading.findings, source=file, package_dirs=package_dirs)
+
+    @classmethod
+    def from_model(cls, model: pin.Model) -> SpaceRobot:
+        """Take a copy of a Pinocchio model whose first joint is a free-flyer.
+
+        Raises
+        ------
+        OspaceError
+            The model has no free-flying base, or a mimic joint.
+        UnsoundModelError
+            The inertias make no physical sense.
+        """
+        return cls(pin.Model(model))
+
+    # -- what it is ------------------------------------------------------------------------------------------
+
+    @property
+    def nq(self) -> int:
+        """Length of `q`."""
+        return int(self.model.nq)
+
+    @property
+    def nv(self) -> int:
+        """Degrees of freedom, base included; length of `v`."""
+        return int(self.model.nv)
+
+    @property
+    def n_joints(self) -> int:
+        """Degrees of freedom of the joints, n = nv − 6."""
+        return self.nv - _BASE_NV
+
+    @cached_property
+    def total_mass(self) -> float:
+        """Mass of all links, kg."""
+        return float(sum(inertia.mass for inertia in self.model.inertias))
+
+    @property
+    def joint_names(self) -> list[str]:
+        """Names of the joints behind the base, in Pinocchio's order."""
+        return list(self.model.names)[2:]
+
+    @cached_property
+    def frame_names(self) -> list[str]:
+        """Names of all frames that can carry an operational point, links first."""
+        carried = [frame for frame in self.model.frames if frame.parentJoint > 0]
+        carried.sort(key=lambda frame: frame.type != pin.FrameType.BODY)
+        return list(dict.fromkeys(frame.name for frame in carried))
+
+    @cached_property
+    def leaf_links(self) -> list[str]:
+        """Links from which no joint goes on; the base alone where there is no joint."""
+        frames = self.model.frames
+        has_child = {frames[k].parentFrame for k in range(1, len(frames))}
+
+        def leads_on(k: int) -> bool:
+            return k in has_child
+
+        return [frame.name for k, frame in enumerate(frames) if frame.type == pin.FrameType.BODY and not leads_on(k)]
+
+    def joint_of_link(self, i: int) -> str:
+        """Name of the joint by which link `i` of the recursions hangs."""
+        return next(
+            self.model.names[j]
+            for j in range(1, self.model.njoints)
+            if self.model.idx_vs[j] <= i + _BASE_NV - 1 < self.model.idx_vs[j] + self.model.nvs[j]
+        )
+
+    def path_to(self, i: int) -> list[int]:
+        """Links from the base, not included, out to link `i`."""
+        path = []
+        while i > 0:
+            path.append(i)
+            i = int(self.links.parent[i])
+        return path[::-1]
+
+    @property
+    def scratch(self) -> PinocchioPass:
+        """Pinocchio's working memory of this thread: overwritten by every state that is made."""
+        if not hasattr(self._local, "scratch"):
+            self._local.scratch = PinocchioPass(self.model)
+        scratch: PinocchioPass = self._local.scratch
+        return scratch
+
+    # -- points and states -----------------------------------------------------------------------------------
+
+    def point(self, frame: str, axes: Axes = "all", offset: pin.SE3 | None = None) -> OperationalPoint:
+        """Make an operational point of a frame: a link, or a joint's frame.
+
+        Parameters
+        ----------
+        frame : str
+            Its name.
+        axes : "all", "linear", "angular" or six booleans
+            Rows that count: x, y, z, rotation about x, y, z; inertial axes.
+        offset : pin.SE3, optional
+            The point as seen from the frame; the frame's origin without it.
+
+        Raises
+        ------
+        OspaceError
+            The name is unknown, or belongs to several frames in different places; `axes` or `offset` make no sense.
+        """
+        named = [one for one in self.model.frames if one.name == frame and one.parentJoint > 0]
+        if not named:
+            raise OspaceError(f"robot '{self.name}' has no frame '{frame}'{closest(str(frame), self.frame_names)}")
+        first = named[0]
+        if any(one.parentJoint != first.parentJoint or one.placement != first.placement for one in named):
+            raise OspaceError(
+                f"frame '{frame}' of robot '{self.name}' is ambiguous: {len(named)} links or joints of that name "
+                f"lie in different places; rename one of them in the URDF"
+            )
+        if offset is not None and not isinstance(offset, pin.SE3):
+            raise OspaceError(f"offset {offset!r}: give a pin.SE3, or None for the frame itself")
+        placement = first.placement if offset is None else first.placement * offset
+        if not np.isfinite(placement.homogeneous).all():
+            raise OspaceError(f"offset of point '{frame}' is not finite")
+        return OperationalPoint(self, frame, parse_axes(axes), int(first.parentJoint), placement)
+
+    def state(self, q: npt.ArrayLike, v: npt.ArrayLike | None = None) -> State:
+        """Take the robot at configuration `q` and velocity `v`.
+
+        Parameters
+        ----------
+        q : (nq,)
+            Base position, base quaternion (x, y, z, w), then joints, as Pinocchio orders them; `configuration`
+            builds it. m, rad.
+        v : (nv,), optional
+            Base twist in base axes, linear first, then joint rates; zero without it. m/s, rad/s.
+
+        Raises
+        ------
+        OspaceError
+            Wrong length, a number that is not finite, or a quaternion that is not of unit length.
+        """
+        return State(self, q, v)
+
+    # -- configurations by name ------------------------------------------------------------------------------
+
+    def configuration(
+        self, joints: Mapping[str, Position] | None = None, T_WB: pin.SE3 | None = None
+    ) -> Floats:
+        """Build `q` from a base pose and joint positions by name; what is not named stays at zero.
+
+        Parameters
+        ----------
+        joints : mapping of joint name to position
+            Angle (rad) or displacement (m) for joints of one degree of freedom, continuous ones included;
+            (x, y, θ) for planar, `pin.SE3` for floating ones; Pinocchio's own numbers for any other type.
+        T_WB : pin.SE3, optional
+            Pose of the base in the inertial frame; identity without it.
+
+        Returns
+        -------
+        (nq,) array
+
+        Raises
+        ------
+        OspaceError
+            A joint is unknown, or its value is not finite or of the wrong kind.
+        """
+        q: Floats = pin.neutral(self.model)
+        if T_WB is not None:
+            q[:_BASE_NQ] = pin.SE3ToXYZQUAT(T_WB)
+        for name, value in (joints or {}).items():
+            j = self._joint(name)
+            start, count = self.model.idx_qs[j], self.model.nqs[j]
+            q[start : start + count] = to_q(self.model.joints[j], name, value)
+        if not np.isfinite(q[:_BASE_NQ]).all():
+            raise OspaceError("T_WB is not finite")
+        return q
+
+    def joint_positions(self, q: npt.ArrayLike) -> dict[str, Position]:
+        """Read joint positions by name from `q`: the inverse of `configuration`; angles of continuous joints in (−π, π]."""
+        q = checked_vector(q, self.nq, "q", self.name)
+        return {
+            name: from_q(self.model.joints[j], q[self.model.idx_qs[j] :][: self.model.nqs[j]])
+            for j, name in enumerate(self.model.names)
+            if j > 1
+        }
+
+    def base_pose(self, q: npt.ArrayLike) -> pin.SE3:
+        """Read the base pose T_WB from `q`."""
+        return pin.XYZQUATToSE3(checked_vector(q, self.nq, "q", self.name)[:_BASE_NQ])
+
+    def _joint(self, name: str) -> int:
+        if name not in self.joint_names:
+            raise OspaceError(f"robot '{self.name}' has no joint '{name}'{closest(str(name), self.joint_names)}")
+        return int(self.model.getJointId(name))
+
+    def __repr__(self) -> str:
+        return f"SpaceRobot('{self.name}', nv={self.nv}, total_mass={self.total_mass:.6g} kg)"
+
+
+def _check_floating_base(model: pin.Model) -> None:
+    roots = [j for j in range(1, model.njoints) if model.parents[j] == 0]
+    if roots != [1] or model.joints[1].shortname() != "JointModelFreeFlyer":
+        raise OspaceError(
+            f"model '{model.name}' has no free-flying base: its one root joint must be a pin.JointModelFreeFlyer"
+        )
+    for j in range(1, model.njoints):
+        if model.joints[j].shortname() == "JointModelMimic":
+            raise OspaceError(f"joint '{model.names[j]}' is a mimic joint: build the model with mimic=False")
+        if j > 1 and model.parents[j] not in model.supports[j - 1]:
+            raise OspaceError(
+                f"joint '{model.names[j]}' is out of order: Pinocchio's crba is wrong unless each subtree is added "
+                f"before the next one begins; add it right after the joints below '{model.names[model.parents[j]]}'"
+            )
+
+
+def _last_links(model: pin.Model) -> npt.NDArray[np.int64]:
+    """Link that each joint carries: the last of its columns; −1 for the universe, 0 for the base."""
+    return np.array([-1] + [model.idx_vs[j] + model.nvs[j] - _BASE_NV for j in range(1, model.njoints)])
+
+
+def _links(model: pin.Model) -> Links:
+    rows = model.nv - _BASE_NV + 1
+    last = _last_links(model)
+    parent, body, hinge = np.zeros((3, rows), dtype=np.int64)
+    mass, com, inertia = np.zeros(rows), np.zeros((rows, 3)), np.zeros((rows, 6))
+    body[0] = hinge[0] = 1
+    for j in range(1, model.njoints):
+        i = int(last[j])
+        if j > 1:
+            columns = range(i - model.nvs[j] + 1, i + 1)
+            parent[columns.start] = last[model.parents[j]]
+            parent[columns.start + 1 : i + 1] = columns[:-1]
+            body[columns] = hinge[columns] = j
+            hinge[i] = model.parents[j]
+        mass[i], com[i] = model.inertias[j].mass, model.inertias[j].lever
+        inertia[i] = model.inertias[j].inertia[np.tril_indices(3)]
+    armature = np.r_[0.0, model.armature[_BASE_NV:]]
+    return Links(parent, body, hinge, mass, com, inertia, armature)

@@ -1,0 +1,98 @@
+"""The state of a robot: one pass of Pinocchio's kinematics, laid out for the recursions, read-only."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from ospace.checks import all_finite, checked_vector
+from ospace.exceptions import OspaceError
+from ospace.kernels import frames
+from ospace.kernels.tables import Floats, Tree
+
+if TYPE_CHECKING:
+    from ospace.points import OperationalPoint
+    from ospace.robot import SpaceRobot
+
+QUATERNION_TOLERANCE = 1e-6
+"""How far the length of a quaternion, or of a (cos, sin) pair, may be from one; it is then set to one."""
+
+
+class State:
+    """A robot at `q` and `v`; made by `SpaceRobot.state`.
+
+    States of one robot are independent of each other: nothing that is computed later changes one.
+
+    Attributes
+    ----------
+    robot : SpaceRobot
+    q, v : (nq,), (nv,) arrays
+        Read-only copies; quaternions at unit length.
+    T_WB : pin.SE3
+        Pose of the base in the inertial frame.
+    base_twist : (6,) array
+        ẋ_b = [v_b; ω_b], inertial axes, at the base-link frame's origin; m/s, rad/s.
+    placements : (njoints, 12) array
+        Rotation by columns and translation of every Pinocchio joint; inertial axes, about the base.
+    tree : Tree
+        The links for the recursions.
+    """
+
+    def __init__(self, robot: SpaceRobot, q: npt.ArrayLike, v: npt.ArrayLike | None = None) -> None:
+        self.robot = robot
+        self.q = checked_vector(q, robot.nq, "q", robot.name)
+        self.v = np.zeros(robot.nv) if v is None else checked_vector(v, robot.nv, "v", robot.name)
+        _normalize(robot, self.q)
+        self.q.flags.writeable = self.v.flags.writeable = False
+
+        scratch = robot.scratch
+        scratch.run(*self.beside_base())
+        self.placements = scratch.placements.copy()
+        rows = robot.n_joints + 1
+        self.tree = Tree(np.empty((rows, 6)), np.empty((rows, 21)), np.empty((rows, 6)), np.empty((rows, 6)))
+        frames.place(robot.links, self.placements, scratch.columns, scratch.accelerations, self.v, self.tree)
+        all_finite((self.placements, *self.tree), "the motion of the links")
+
+        R_WB = self.placements[1, :9].reshape(3, 3).T
+        self.T_WB = pin.SE3(R_WB, self.q[:3])
+        self.base_twist = np.r_[R_WB @ self.v[:3], R_WB @ self.v[3:6]]
+        for array in (self.placements, self.base_twist, *self.tree):
+            array.flags.writeable = False
+
+    def beside_base(self) -> tuple[Floats, Floats]:
+        """Return (q, v) as seen from an inertial frame that is centred on the base and moves along with it, now.
+
+        There the base has neither a distance to the origin nor a linear velocity, which cost no digit then. Momentum
+        is the one quantity of the paper that is another one there.
+        """
+        q, v = self.q.copy(), self.v.copy()
+        q[:3] = v[:3] = 0.0
+        return q, v
+
+    def placement(self, point: OperationalPoint) -> pin.SE3:
+        """Pose T_WE of an operational point in the inertial frame, m."""
+        here = self.placements[point.joint]
+        about_base = pin.SE3(here[:9].reshape(3, 3).T, here[9:]) * point.placement
+        return pin.SE3(about_base.rotation, about_base.translation + self.q[:3])
+
+    def __repr__(self) -> str:
+        return f"State({self.robot.name!r}, q={self.q}, v={self.v})"
+
+
+def _normalize(robot: SpaceRobot, q: Floats) -> None:
+    """Bring quaternions and (cos, sin) pairs to unit length, in place; raise where they are far from it."""
+    model = robot.model
+    if not pin.isNormalized(model, q, QUATERNION_TOLERANCE):
+        for j in range(1, model.njoints):
+            part = q[model.idx_qs[j] : model.idx_qs[j] + model.nqs[j]]
+            fixed = pin.normalize(model, q)[model.idx_qs[j] : model.idx_qs[j] + model.nqs[j]]
+            if not np.allclose(part, fixed, rtol=0.0, atol=QUATERNION_TOLERANCE):
+                whose = "base quaternion q[3:7]" if j == 1 else f"rotation part of q of joint '{model.names[j]}'"
+                raise OspaceError(
+                    f"the {whose} is not of unit length: {part[3:7] if j == 1 else part}; "
+                    f"divide it by its length, or build q with robot.configuration"
+                )
+    q[:] = pin.normalize(model, q)

@@ -1,0 +1,116 @@
+"""What is wrong, or odd, with a model: findings with a stable code, by link or joint."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Literal
+
+import numpy as np
+import pinocchio as pin
+
+Severity = Literal["error", "warning", "info"]
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing to know about a model.
+
+    Attributes
+    ----------
+    code : str
+        Stable name of the kind of finding.
+    severity : "error", "warning" or "info"
+        With an error the model has no sound dynamics.
+    subject : str
+        The link or joint.
+    message : str
+        What was found, with its value, and why it matters.
+    remedy : str
+    """
+
+    code: str
+    severity: Severity
+    subject: str
+    message: str
+    remedy: str
+
+    def __str__(self) -> str:
+        return f"{self.severity} {self.code}: {self.subject}: {self.message}; {self.remedy}"
+
+    def as_dict(self) -> dict[str, str]:
+        """Return the fields by name."""
+        return asdict(self)
+
+
+def of_model(model: pin.Model) -> list[Finding]:
+    """Look at the inertias of a model with a free-flyer, fixed joints merged."""
+    found: list[Finding] = []
+    subtree_mass = np.array([inertia.mass for inertia in model.inertias])
+    for j in range(model.njoints - 1, 1, -1):
+        subtree_mass[model.parents[j]] += subtree_mass[j]
+    for j in range(1, model.njoints):
+        found += _of_body(link_of(model, j), model.inertias[j])
+        if j == 1 and model.inertias[1].mass == 0.0:
+            found.append(
+                Finding(
+                    "massless-base",
+                    "error",
+                    f"link '{link_of(model, 1)}'",
+                    "the base, with all that is fixed to it, has no mass, so it could not float freely",
+                    "give the root link, or a link fixed to it, an <inertial>",
+                )
+            )
+        elif j > 1 and subtree_mass[j] == 0.0:
+            found.append(
+                Finding(
+                    "massless-subtree",
+                    "error",
+                    f"joint '{model.names[j]}'",
+                    "the joint moves links without any mass, so the joint-space inertia is singular",
+                    f"give link '{link_of(model, j)}' an <inertial>, or make the joint fixed",
+                )
+            )
+    return found
+
+
+def _of_body(link: str, inertia: pin.Inertia) -> list[Finding]:
+    subject = f"link '{link}'"
+    numbers = np.r_[inertia.mass, inertia.lever, inertia.inertia.ravel()]
+    if not np.isfinite(numbers).all():
+        message = "mass, centre of mass or inertia is not finite"
+        return [Finding("inertia-not-finite", "error", subject, message, "write finite numbers in its <inertial>")]
+    if inertia.mass < 0.0:
+        message = f"mass {inertia.mass:.6g} kg is negative"
+        return [Finding("negative-mass", "error", subject, message, "give it a positive mass")]
+    smallest, middle, largest = np.linalg.eigvalsh(inertia.inertia)
+    if smallest < -_ROUNDING * abs(largest):
+        message = f"rotational inertia about the centre of mass has the negative principal moment {smallest:.6g} kg m²"
+        remedy = "correct the tensor: it belongs about the centre of mass, in the axes of the <inertial> origin"
+        return [Finding("inertia-indefinite", "error", subject, message, remedy)]
+    if largest > (smallest + middle) * (1.0 + _ROUNDING):
+        message = (
+            f"principal moments {smallest:.6g}, {middle:.6g}, {largest:.6g} kg m² violate the triangle inequality: "
+            f"no distribution of mass has them"
+        )
+        return [Finding("inertia-triangle", "warning", subject, message, "correct the tensor")]
+    return []
+
+
+def mimic(joint: str, of: str) -> Finding:
+    """Return the finding that `joint` mimics `of`."""
+    return Finding(
+        "mimic-freed",
+        "warning",
+        f"joint '{joint}'",
+        f"mimics '{of}' in the file and is an independent joint here: the coupling is not enforced",
+        f"read its degree of freedom as free, or make the joint fixed or '{of}' its rigid neighbour",
+    )
+
+
+def link_of(model: pin.Model, j: int) -> str:
+    """Name of the link that joint `j` carries."""
+    for frame in model.frames:
+        if frame.type == pin.FrameType.BODY and frame.parentJoint == j and frame.placement.isIdentity(1e-12):
+            return str(frame.name)
+    return str(model.names[j])
