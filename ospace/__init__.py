@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ospace.dynamics.free_floating import free_floating as free_floating
     from ospace.dynamics.generalized_jacobian import generalized_jacobian as generalized_jacobian
     from ospace.dynamics.joint_space import generalized_dynamics as generalized_dynamics
+    from ospace.dynamics.joint_space import inverse_dynamics as inverse_dynamics
     from ospace.dynamics.joint_space import joint_space_dynamics as joint_space_dynamics
     from ospace.dynamics.joint_space import momentum as momentum
     from ospace.dynamics.operational_space import operational_space as operational_space
@@ -43,6 +44,7 @@ _HOME = {
     "momentum": "dynamics.joint_space",
     "joint_space_dynamics": "dynamics.joint_space",
     "generalized_dynamics": "dynamics.joint_space",
+    "inverse_dynamics": "dynamics.joint_space",
     "generalized_jacobian": "dynamics.generalized_jacobian",
     "operational_space": "dynamics.operational_space",
     "free_floating": "dynamics.free_floating",

@@ -74,9 +74,13 @@ class State:
 
     def placement(self, point: OperationalPoint) -> pin.SE3:
         """Pose T_WE of an operational point in the inertial frame, m."""
+        T_BE = self.placement_about_base(point)
+        return pin.SE3(T_BE.rotation, T_BE.translation + self.q[:3])
+
+    def placement_about_base(self, point: OperationalPoint) -> pin.SE3:
+        """Pose of an operational point, inertial axes, as seen from the base: exact wherever the base is, m."""
         here = self.placements[point.joint]
-        about_base = pin.SE3(here[:9].reshape(3, 3).T, here[9:]) * point.placement
-        return pin.SE3(about_base.rotation, about_base.translation + self.q[:3])
+        return pin.SE3(here[:9].reshape(3, 3).T, here[9:]) * point.placement
 
     def __repr__(self) -> str:
         return f"State({self.robot.name!r}, q={self.q}, v={self.v})"

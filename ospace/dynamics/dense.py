@@ -6,12 +6,14 @@ Pinocchio's base twist stands in base axes, the paper's in inertial axes at the 
 
 where the last term, which turns Pinocchio's spatial base acceleration into the classical one of the paper, is zero
 for a base without linear velocity. That is how Pinocchio is asked here (`State.beside_base`): about the world
-origin and at orbital velocity its own arithmetic would lose the digits that it is to check.
+origin and at orbital velocity its own arithmetic would lose the digits that it is to check. Where the motion of the
+base itself is what is checked (momentum, accelerations under load), it is asked at the full velocity.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 import pinocchio as pin
@@ -21,76 +23,168 @@ from ospace.points import OperationalPoint
 from ospace.state import State
 
 
-def base_rotation(state: State) -> Floats:
-    """Return T = diag(R, R, 1), (nv, nv)."""
-    T = np.eye(state.robot.nv)
-    T[:3, :3] = T[3:6, 3:6] = state.T_WB.rotation
-    return T
+class Dense:
+    """Dense forms in one state, each computed when it is first asked for.
 
-
-def inertia(state: State) -> Floats:
-    """Return H (nv, nv) from `pin.crba`."""
-    model, data = state.robot.model, state.robot.scratch.data
-    upper = np.triu(pin.crba(model, data, state.beside_base()[0]))
-    T = base_rotation(state)
-    H: Floats = T @ (upper + np.triu(upper, 1).T) @ T.T
-    return H
-
-
-def inertia_inverse(state: State) -> Floats:
-    """Return H⁻¹ (nv, nv) from `pin.computeMinverse`."""
-    model, data = state.robot.model, state.robot.scratch.data
-    upper = np.triu(pin.computeMinverse(model, data, state.beside_base()[0]))
-    T = base_rotation(state)
-    H_inv: Floats = T @ (upper + np.triu(upper, 1).T) @ T.T
-    return H_inv
-
-
-def bias(state: State) -> Floats:
-    """Return [c_b; c_m] (nv,) from `pin.rnea`."""
-    q, v = state.beside_base()
-    c = pin.rnea(state.robot.model, state.robot.scratch.data, q, v, np.zeros(state.robot.nv))
-    return np.asarray(base_rotation(state) @ c)
-
-
-def jacobian(state: State, points: Sequence[OperationalPoint]) -> Floats:
-    """Return J_e (r, nv) from Pinocchio's Jacobians at the points, LOCAL_WORLD_ALIGNED."""
-    model, data = state.robot.model, state.robot.scratch.data
-    pin.computeJointJacobians(model, data, state.beside_base()[0])
-    blocks = [
-        pin.getFrameJacobian(model, data, one.joint, one.placement, pin.LOCAL_WORLD_ALIGNED)[np.array(one.axes)]
-        for one in points
-    ]
-    return np.asarray(np.vstack(blocks) @ base_rotation(state).T)
-
-
-def accelerations(state: State, points: Sequence[OperationalPoint], a: Floats | None = None) -> Floats:
-    """Return the classical accelerations ẍ_e (r,) at Pinocchio's q̈ = `a` (nv,), zero without it.
-
-    `a` belongs to the base at its full velocity, as `pin.aba` returns it.
+    Names are the kernels' names of the paper's symbols; rows are those that the points take.
     """
-    model, data = state.robot.model, state.robot.scratch.data
-    q, v = state.beside_base()
-    if a is None:
-        pin.forwardKinematics(model, data, q, v, np.zeros(state.robot.nv))
-    else:
-        pin.forwardKinematics(model, data, q, state.v, a)
-    parts = [
-        pin.getFrameClassicalAcceleration(model, data, one.joint, one.placement, pin.LOCAL_WORLD_ALIGNED).vector
-        for one in points
-    ]
-    return np.concatenate([part[np.array(one.axes)] for part, one in zip(parts, points, strict=True)])
 
+    def __init__(self, state: State, points: Sequence[OperationalPoint]) -> None:
+        self.state, self.points = state, tuple(points)
+        self._model = state.robot.model
+        self._q, self._v = state.beside_base()
+        self.T = np.eye(state.robot.nv)
+        self.T[:3, :3] = self.T[3:6, 3:6] = state.T_WB.rotation
 
-def operational_space(
-    state: State, points: Sequence[OperationalPoint]
-) -> tuple[Floats, Floats, Floats, Floats]:
-    """Return Γ_e⁻¹ (r, r), μ (r,), H⁻¹ J_eᵀ (nv, r) and J_e (r, nv): (9) and (10), with H by Cholesky."""
-    H, J_e = inertia(state), jacobian(state, points)
-    response = solve(H, J_e.T)
-    Gamma_inv = J_e @ response
-    mu = response.T @ bias(state) - accelerations(state, points)
-    return 0.5 * (Gamma_inv + Gamma_inv.T), mu, response, J_e
+    @property
+    def _data(self) -> pin.Data:
+        return self.state.robot.scratch.data
+
+    # -- §2 --------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def H(self) -> Floats:
+        """H (nv, nv), `pin.crba`."""
+        return self._to_paper(pin.crba(self._model, self._data, self._q))
+
+    @cached_property
+    def H_inv(self) -> Floats:
+        """H⁻¹ (nv, nv), `pin.computeMinverse`."""
+        return self._to_paper(pin.computeMinverse(self._model, self._data, self._q))
+
+    def _to_paper(self, upper: Floats) -> Floats:
+        full = np.triu(upper) + np.triu(upper, 1).T
+        return np.asarray(self.T @ full @ self.T.T)
+
+    @cached_property
+    def c(self) -> Floats:
+        """[c_b; c_m] (nv,), `pin.rnea`."""
+        return np.asarray(self.T @ pin.rnea(self._model, self._data, self._q, self._v, np.zeros(len(self._v))))
+
+    @cached_property
+    def velocity(self) -> Floats:
+        """[ẋ_b; φ̇] (nv,)."""
+        return np.asarray(self.T @ self.state.v)
+
+    @cached_property
+    def M_0(self) -> Floats:
+        """Momentum about the base (6,): `pin.computeCentroidalMomentum`, shifted."""
+        h = pin.computeCentroidalMomentum(self._model, self._data, self._q, self.state.v).vector
+        return np.r_[h[:3], h[3:] + np.cross(self._data.com[0], h[:3])]
+
+    @cached_property
+    def link_velocities(self) -> Floats:
+        """Velocities of all joint frames (njoints − 1, 6), inertial axes, each at its own origin."""
+        pin.forwardKinematics(self._model, self._data, self._q, self.state.v)
+        joints = range(1, self._model.njoints)
+        return np.array([pin.getVelocity(self._model, self._data, j, pin.LOCAL_WORLD_ALIGNED).vector for j in joints])
+
+    @cached_property
+    def J_b_star(self) -> Floats:
+        """−H_b⁻¹ H_bm (3)."""
+        return -solve(self.H[:6, :6], self.H[:6, 6:])
+
+    @cached_property
+    def H_m_star(self) -> Floats:
+        """H_m − H_bmᵀ H_b⁻¹ H_bm (7)."""
+        return np.asarray(self.H[6:, 6:] + self.H[6:, :6] @ self.J_b_star)
+
+    @cached_property
+    def c_m_star(self) -> Floats:
+        """c_m − H_bmᵀ H_b⁻¹ c_b (7)."""
+        return np.asarray(self.c[6:] + self.J_b_star.T @ self.c[:6])
+
+    # -- points ----------------------------------------------------------------------------------------------
+
+    @cached_property
+    def J_e(self) -> Floats:
+        """[J_b J_m] (r, nv), Pinocchio's Jacobians at the points, LOCAL_WORLD_ALIGNED."""
+        pin.computeJointJacobians(self._model, self._data, self._q)
+        J = [
+            pin.getFrameJacobian(self._model, self._data, one.joint, one.placement, pin.LOCAL_WORLD_ALIGNED)
+            for one in self.points
+        ]
+        return self._taken(J) @ self.T.T
+
+    def _taken(self, of_points: Sequence[Floats]) -> Floats:
+        rows = [full[np.array(one.axes)] for full, one in zip(of_points, self.points, strict=True)]
+        return np.concatenate(rows)
+
+    def _accelerations(self) -> Floats:
+        frame = pin.LOCAL_WORLD_ALIGNED
+        return self._taken(
+            [
+                pin.getFrameClassicalAcceleration(self._model, self._data, one.joint, one.placement, frame).vector
+                for one in self.points
+            ]
+        )
+
+    @cached_property
+    def drift(self) -> Floats:
+        """J̇_e ẋ (r,): classical accelerations of the points while base and joints do not accelerate."""
+        pin.forwardKinematics(self._model, self._data, self._q, self._v, np.zeros(len(self._v)))
+        return self._accelerations()
+
+    def accelerations_under(self, load: Floats, F_e: Floats) -> tuple[Floats, Floats]:
+        """Return ẍ_e (r,) and [ẍ_b; φ̈] (nv,) under `load` = [F_b; τ] and forces `F_e` (r,), by `pin.aba`."""
+        model, data = self._model, self._data
+        pin.forwardKinematics(model, data, self._q)
+        external = [pin.Force.Zero() for _ in range(model.njoints)]
+        for one, wrench in zip(self.points, self.wrenches(F_e), strict=True):
+            at_point = pin.SE3(np.eye(3), (data.oMi[one.joint] * one.placement).translation)
+            external[one.joint] += (data.oMi[one.joint].inverse() * at_point).act(pin.Force(wrench))
+        a = pin.aba(model, data, self._q, self.state.v, self.T.T @ load, external).copy()
+        pin.forwardKinematics(model, data, self._q, self.state.v, a)
+        acceleration = self.T @ a
+        acceleration[:3] += np.cross(self.velocity[3:6], self.velocity[:3])
+        return self._accelerations(), acceleration
+
+    def wrenches(self, F_e: Floats) -> list[Floats]:
+        """Spread the rows `F_e` (r,) to one (6,) wrench a point."""
+        taken = np.concatenate([one.axes for one in self.points])
+        full = np.zeros(6 * len(self.points))
+        full[taken] = F_e
+        return list(full.reshape(-1, 6))
+
+    # -- §3 --------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def response(self) -> Floats:
+        """H⁻¹ J_eᵀ (nv, r)."""
+        return solve(self.H, self.J_e.T)
+
+    @cached_property
+    def Gamma_e_inv(self) -> Floats:
+        """J_e H⁻¹ J_eᵀ (9)."""
+        Gamma_e_inv = self.J_e @ self.response
+        return np.asarray(0.5 * (Gamma_e_inv + Gamma_e_inv.T))
+
+    @cached_property
+    def mu(self) -> Floats:
+        """μ = J_e H⁻¹ c − J̇_e ẋ: (10) without its factor Γ_e."""
+        return np.asarray(self.response.T @ self.c - self.drift)
+
+    @cached_property
+    def J_m_star(self) -> Floats:
+        """J_m − J_b H_b⁻¹ H_bm (5)."""
+        return np.asarray(self.J_e[:, 6:] + self.J_e[:, :6] @ self.J_b_star)
+
+    @cached_property
+    def torque_map(self) -> Floats:
+        """J_m* H_m*⁻¹ (12)."""
+        return solve(self.H_m_star, self.J_m_star.T).T
+
+    @cached_property
+    def Lambda_inv(self) -> Floats:
+        """J_m* H_m*⁻¹ J_m*ᵀ (12)."""
+        Lambda_inv = self.torque_map @ self.J_m_star.T
+        return np.asarray(0.5 * (Lambda_inv + Lambda_inv.T))
+
+    @cached_property
+    def Lambda_b_inv(self) -> Floats:
+        """J_b H_b⁻¹ J_bᵀ (12)."""
+        J_b = self.J_e[:, :6]
+        return np.asarray(J_b @ solve(self.H[:6, :6], J_b.T))
 
 
 def solve(H: Floats, B: Floats) -> Floats:

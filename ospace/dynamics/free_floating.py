@@ -109,7 +109,8 @@ def free_floating(
     mu = torque_map @ c_m_star + J_b @ (bodies.H_b_inv @ c_b) - drift
     all_finite((torque_map, Lambda_inv, Lambda_b_inv, mu), "the free-floating dynamics")
 
-    Lambda, rank, dependent = inverse_on_range(Lambda_inv, np.diag(Gamma_inv))
+    H_m_star = bodies.H_m + bodies.H_bm.T @ bodies.J_b_star
+    Lambda, rank, dependent = inverse_on_range(Lambda_inv, J_m_star, np.diag(Gamma_inv), np.diag(H_m_star))
     if strict and rank < len(Lambda_inv):
         refuse_dependent(given, rank, dependent)
     return FreeFloating(Lambda_inv, Lambda_b_inv, Lambda, mu, torque_map, J_m_star, rank)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
-from ospace.checks import all_finite
+from ospace.checks import all_finite, checked_vector
 from ospace.kernels import composite
 from ospace.kernels.tables import Floats
 from ospace.state import State
@@ -72,6 +73,11 @@ class Composite:
     J_b_star: Floats
     H_b_inv: Floats
 
+    @property
+    def diagonal(self) -> Floats:
+        """Diagonal of H (nv,)."""
+        return np.r_[np.diag(self.H_b), np.diag(self.H_m)]
+
 
 def composite_bodies(state: State) -> Composite:
     """Run the composite recursion (21), (27)."""
@@ -88,10 +94,36 @@ def symmetric(lower_rows: Floats) -> Floats:
     return matrix
 
 
+def inverse_dynamics(state: State, acceleration: npt.ArrayLike) -> Floats:
+    """Compute the forces [F_b; τ] of (6) that make base and joints accelerate as given, by (17)–(19).
+
+    Parameters
+    ----------
+    acceleration : (nv,)
+        [ẍ_b; φ̈]; ẍ_b classical, inertial axes, at the base-link frame's origin; m/s², rad/s².
+
+    Returns
+    -------
+    (nv,) array
+        Wrench on the base, inertial axes, about the base-link frame's origin (N, N m); then joint torques.
+
+    Raises
+    ------
+    OspaceError
+        `acceleration` has the wrong length or a number that is not finite; or the result is not finite.
+    """
+    given = checked_vector(acceleration, state.robot.nv, "acceleration", state.robot.name)
+    # Seen from the frame that moves along with the base, its classical and its spatial acceleration are the same.
+    F_b, tau = composite.composite_force(state.robot.links, state.tree, given[:6], given[6:])
+    forces = np.r_[F_b, tau]
+    all_finite((forces,), "the force")
+    return forces
+
+
 def bias(state: State) -> tuple[Floats, Floats]:
-    """Return c_b (6,) and c_m (n,): forces of the motion with ẍ_b = 0 and φ̈ = 0 (17)–(19)."""
-    c_b, c_m = composite.composite_force(state.robot.links, state.tree, np.zeros(6), np.zeros(state.robot.n_joints))
-    return c_b, c_m
+    """Return c_b (6,) and c_m (n,): forces of the motion with ẍ_b = 0 and φ̈ = 0."""
+    c = inverse_dynamics(state, np.zeros(state.robot.nv))
+    return c[:6], c[6:]
 
 
 def momentum(state: State) -> Floats:

@@ -9,8 +9,9 @@ from functools import cached_property
 import numpy as np
 
 from ospace.checks import all_finite
-from ospace.dynamics import dense
+from ospace.dynamics.dense import Dense, solve
 from ospace.dynamics.generalized_jacobian import point_jacobian
+from ospace.dynamics.joint_space import composite_bodies
 from ospace.dynamics.ranges import inverse_on_range
 from ospace.exceptions import DependentRowsError, OspaceError, SingularInertiaError
 from ospace.kernels import inverted, operational
@@ -18,7 +19,9 @@ from ospace.kernels.tables import Floats
 from ospace.points import OperationalPoint, PointSet, point_set
 from ospace.state import State
 
-_NO_INERTIA = 1e-14
+NO_INERTIA = 1e-13
+"""A joint whose share of inertia (`ospace.kernels.articulated.inertia_share`) is smaller moves nothing: three digits
+above rounding, so what would follow is noise."""
 METHODS = ("forward", "inverted", "dense")
 
 
@@ -105,13 +108,15 @@ def operational_space(
         response = forward_chain(state, given)[2]
         J_e = point_jacobian(state, given)
     elif method == "dense":
-        Gamma_inv, mu, response, J_e = dense.operational_space(state, given.points)
+        dense = Dense(state, given.points)
+        Gamma_inv, mu, response, J_e = dense.Gamma_e_inv, dense.mu, dense.response, dense.J_e
     else:
         Gamma_inv, mu, response = forward_chain(state, given)
         J_e = point_jacobian(state, given)
     all_finite((Gamma_inv, mu, response, J_e), "the operational-space dynamics")
 
-    Gamma, rank, dependent = inverse_on_range(Gamma_inv, np.diag(Gamma_inv))
+    H = composite_bodies(state).diagonal
+    Gamma, rank, dependent = inverse_on_range(Gamma_inv, J_e, np.diag(Gamma_inv), H)
     if strict and rank < len(Gamma_inv):
         refuse_dependent(given, rank, dependent)
     return OperationalSpace(Gamma, Gamma_inv, Gamma @ mu, mu, J_e, rank, response)
@@ -140,12 +145,13 @@ def _inverted(state: State, given: PointSet) -> tuple[Floats, Floats]:
     Gamma, mu_e, share = inverted.inverted_chain(state.robot.links, given.table, state.placements, state.tree)
     _refuse_singular(state, share)
     all_finite((Gamma, mu_e), "the operational-space dynamics")
-    Gamma_inv = inverse_on_range(Gamma, np.diag(Gamma)).inverse
+    Gamma_inv = solve(Gamma, np.eye(6))
+    Gamma_inv = 0.5 * (Gamma_inv + Gamma_inv.T)
     return Gamma_inv[np.ix_(given.rows, given.rows)], (Gamma_inv @ mu_e)[given.rows]
 
 
 def _refuse_singular(state: State, share: Floats) -> None:
     """Raise where a joint has no inertia left to resist it; NaN counts as none."""
-    none = np.flatnonzero(~(share > _NO_INERTIA))
+    none = np.flatnonzero(~(share > NO_INERTIA))
     if none.size:
         raise SingularInertiaError(state.robot.joint_of_link(int(none[-1])))

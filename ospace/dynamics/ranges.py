@@ -1,4 +1,8 @@
-"""Inverse of a symmetric matrix on its numerical range."""
+"""Inverse of A = J X Jᵀ, X positive definite, on its numerical range.
+
+How many rows are independent is a matter of the Jacobian J alone, and J is known to the last digit where A, which went
+through all masses of the robot, may not be. So the rank is told by J and the inverse taken of A.
+"""
 
 from __future__ import annotations
 
@@ -10,11 +14,8 @@ import numpy.typing as npt
 from ospace.kernels.tables import Floats
 
 RANK_CUTOFF = 1e-12
-"""Eigenvalues below this share of the largest count as zero, in rows scaled to unit mobility.
-
-Rows are scaled by 1/√(Γ_e⁻¹)_ii, so that neither units nor masses matter. A direction in which a unit force moves the
-points a 1e-12th of the best direction is beyond what the matrix itself, good to about 1e-15, can tell from none.
-"""
+"""Eigenvalues of W Wᵀ below this share of the largest count as zero; W is J with each column over the square root of
+its inertia and each row over the square root of its mobility, so that neither units nor masses matter."""
 _TAKES_PART = 1e-4
 
 
@@ -26,19 +27,22 @@ class RangeInverse(NamedTuple):
     dependent: npt.NDArray[np.int64]
 
 
-def inverse_on_range(A: Floats, mobility: Floats) -> RangeInverse:
-    """Invert a symmetric positive semidefinite `A` (r, r) with row scales √`mobility` (r,).
+def inverse_on_range(A: Floats, J: Floats, mobility: Floats, inertia: Floats) -> RangeInverse:
+    """Invert the symmetric `A` (r, r) that `J` (r, k) spans.
 
-    The inverse is A⁻¹ at full rank, else the Moore–Penrose pseudo-inverse of the part of A of that rank.
+    `mobility` (r,) is the diagonal of Γ_e⁻¹, `inertia` (k,) that of H. The inverse is A⁻¹ at full rank, else the
+    Moore–Penrose pseudo-inverse of the part of A that has the rank of J.
     """
     scale = 1.0 / np.sqrt(mobility)
-    eigenvalues, vectors = np.linalg.eigh(A * np.outer(scale, scale))
-    kept = eigenvalues > RANK_CUTOFF * max(eigenvalues[-1], 1.0)
-    rank = int(kept.sum())
+    W = scale[:, None] * J / np.sqrt(inertia)
+    eigenvalues, vectors = np.linalg.eigh(W @ W.T)
+    null = eigenvalues <= RANK_CUTOFF * max(1.0, eigenvalues[-1])
+    rank = len(A) - int(null.sum())
+    dependent = np.flatnonzero((np.abs(vectors[:, null]) > _TAKES_PART).any(axis=1))
     if rank == len(A):
-        half = vectors / np.sqrt(eigenvalues) * scale[:, None]
-        return RangeInverse(half @ half.T, rank, np.empty(0, dtype=np.int64))
-    dependent = np.flatnonzero(np.abs(vectors[:, ~kept]).max(axis=1) > _TAKES_PART)
-    eigenvalues, vectors = np.linalg.eigh(A)
-    half = vectors[:, len(A) - rank :] / np.sqrt(eigenvalues[len(A) - rank :])
-    return RangeInverse(half @ half.T, rank, dependent)
+        inverse = np.linalg.inv(A * np.outer(scale, scale)) * np.outer(scale, scale)
+    else:
+        eigenvalues, vectors = np.linalg.eigh(A)
+        kept = vectors[:, len(A) - rank :]
+        inverse = kept / eigenvalues[len(A) - rank :] @ kept.T
+    return RangeInverse(0.5 * (inverse + inverse.T), rank, dependent)

@@ -53,9 +53,13 @@ def eliminate(links: Links, tree: Tree, body: Articulated, i: int) -> None:
 
 
 @inlined
-def inertia_share(S: Row, U: Row, beta_inv: Number) -> Number:
-    """β over |S| |U|: where it falls to rounding, no inertia is left at the joint and nothing follows from the sweep."""
-    return 1.0 / (beta_inv * np.sqrt(dot6(S, S) * dot6(U, U)))
+def inertia_share(I: Row, S: Row, beta_inv: Number) -> Number:
+    """β over what it is the difference of, (Σ |S_k| √I_kk)²: where it falls to rounding, no inertia is left at the joint."""
+    root = (
+        abs(S[0]) * np.sqrt(I[0]) + abs(S[1]) * np.sqrt(I[2]) + abs(S[2]) * np.sqrt(I[5])
+        + abs(S[3]) * np.sqrt(I[9]) + abs(S[4]) * np.sqrt(I[14]) + abs(S[5]) * np.sqrt(I[20])
+    )  # fmt: skip
+    return 1.0 / (beta_inv * root * root)
 
 
 @inlined

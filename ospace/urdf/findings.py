@@ -10,6 +10,7 @@ import pinocchio as pin
 
 Severity = Literal["error", "warning", "info"]
 _ROUNDING = 1e-9
+_POINT_LIKE = 1e-12  # radius of gyration squared, m²: below it a tensor is rounding around a point mass
 
 
 @dataclass(frozen=True)
@@ -84,11 +85,12 @@ def _of_body(link: str, inertia: pin.Inertia) -> list[Finding]:
         message = f"mass {inertia.mass:.6g} kg is negative"
         return [Finding("negative-mass", "error", subject, message, "give it a positive mass")]
     smallest, middle, largest = np.linalg.eigvalsh(inertia.inertia)
-    if smallest < -_ROUNDING * abs(largest):
+    rounding = _ROUNDING * abs(largest) + _POINT_LIKE * inertia.mass
+    if smallest < -rounding:
         message = f"rotational inertia about the centre of mass has the negative principal moment {smallest:.6g} kg m²"
         remedy = "correct the tensor: it belongs about the centre of mass, in the axes of the <inertial> origin"
         return [Finding("inertia-indefinite", "error", subject, message, remedy)]
-    if largest > (smallest + middle) * (1.0 + _ROUNDING):
+    if largest > smallest + middle + rounding:
         message = (
             f"principal moments {smallest:.6g}, {middle:.6g}, {largest:.6g} kg m² violate the triangle inequality: "
             f"no distribution of mass has them"

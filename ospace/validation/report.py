@@ -1,0 +1,169 @@
+"""What `ospace check` finds: facts of the model, findings, agreement table, verdict; as data and as one JSON document."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+import ospace
+from ospace.dynamics.joint_space import joint_space_dynamics
+from ospace.exceptions import OspaceError, SingularInertiaError
+from ospace.points import OperationalPoint
+from ospace.robot import SpaceRobot
+from ospace.urdf.findings import Finding
+from ospace.validation.agreement import Agreement, AgreementTable, Sample, condition, summary
+from ospace.validation.placements import IndependentReader
+from ospace.validation.sampling import random_state
+
+SCHEMA_VERSION = 1
+UNITS = "SI: m, kg, s, rad, N, N m; six-vectors linear part first"
+_PLACEMENT_BOUND = 1e-12
+
+
+@dataclass(frozen=True)
+class ModelFacts:
+    """What a robot is, at zero joint positions; lengths and axes from the base-link frame."""
+
+    name: str
+    bodies: int
+    joints: dict[str, int]
+    degrees_of_freedom: int
+    total_mass: float
+    base_mass: float
+    arm_to_base_mass_ratio: float
+    principal_inertias: list[float]
+    mass_centre: list[float]
+    condition_H_b: float
+    gravity: float
+    units: str
+    points: list[dict[str, Any]]
+
+
+@dataclass(frozen=True)
+class Report:
+    """All that `ospace check` says of a robot."""
+
+    model: ModelFacts | None
+    findings: tuple[Finding, ...]
+    agreement: list[Agreement] = field(default_factory=list)
+    samples: int = 0
+    seed: int = 0
+
+    @property
+    def errors(self) -> int:
+        """Findings of level error, and rows of the table that differ."""
+        wrong = sum(finding.severity == "error" for finding in self.findings)
+        return wrong + sum(row.verdict == "differs" for row in self.agreement)
+
+    @property
+    def verdict(self) -> str:
+        """Return "sound" or "unsound"."""
+        return "unsound" if self.errors else "sound"
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the document that ``--json`` prints; ``report.schema.json`` beside this file describes it."""
+        return {
+            "schema": SCHEMA_VERSION,
+            "ospace": ospace.__version__,
+            "pinocchio": pin.__version__,
+            "model": None if self.model is None else asdict(self.model),
+            "findings": [finding.as_dict() for finding in self.findings],
+            "agreement": [{**asdict(row), "verdict": row.verdict} for row in self.agreement],
+            "samples": self.samples,
+            "seed": self.seed,
+            "verdict": self.verdict,
+        }
+
+
+def model_facts(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> ModelFacts:
+    """Gather the facts of `robot` and its operational points."""
+    model = robot.model
+    kinds: dict[str, int] = {}
+    for joint in list(model.joints)[2:]:
+        kinds[_kind(joint)] = kinds.get(_kind(joint), 0) + 1
+    H_b = joint_space_dynamics(robot.state(robot.configuration())).base_inertia
+    mass = robot.total_mass
+    centre = np.array([H_b[5, 1], H_b[3, 2], H_b[4, 0]]) / mass
+    about_centre = H_b[3:, 3:] - mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))
+    base_mass = float(model.inertias[1].mass)
+    return ModelFacts(
+        name=robot.name,
+        bodies=model.njoints - 1,
+        joints=kinds,
+        degrees_of_freedom=robot.nv,
+        total_mass=mass,
+        base_mass=base_mass,
+        arm_to_base_mass_ratio=(mass - base_mass) / base_mass,
+        principal_inertias=np.linalg.eigvalsh(about_centre).tolist(),
+        mass_centre=centre.tolist(),
+        condition_H_b=condition(H_b),
+        gravity=0.0,
+        units=UNITS,
+        points=[{"frame": point.frame, "rows": point.n_rows} for point in points],
+    )
+
+
+def _kind(joint: pin.JointModel) -> str:
+    """Name of a joint's type as URDF calls it."""
+    name = joint.shortname().removeprefix("JointModel")
+    if name in ("Planar", "FreeFlyer"):
+        return {"Planar": "planar", "FreeFlyer": "floating"}[name]
+    if joint.nq == 2 and joint.nv == 1:
+        return "continuous"
+    return "prismatic" if name.startswith("P") else "revolute" if name.startswith("R") else name
+
+
+def check(
+    robot: SpaceRobot,
+    points: Sequence[OperationalPoint],
+    *,
+    samples: int = 20,
+    seed: int = 0,
+    progress: Callable[[int], None] = lambda done: None,
+) -> Report:
+    """Compare every quantity of the paper with Pinocchio's over random states of `robot`.
+
+    Every second state is 7e6 m from the origin. `progress` is called with the number of states done.
+    """
+    rng = np.random.default_rng(seed)
+    table, found = AgreementTable(), list(robot.findings)
+    rows: list[Agreement] = []
+    done = 0
+    try:
+        for done in range(1, samples + 1):
+            table.add(Sample(random_state(robot, rng, far=done % 2 == 0), points, rng))
+            progress(done)
+        rows = table.rows()
+    except SingularInertiaError as error:
+        found.append(_singular(error))
+    if robot.source is not None:
+        rows, found = _with_placements(robot, rng, samples, rows, found)
+    return Report(model_facts(robot, points), tuple(found), rows, done, seed)
+
+
+def _singular(error: SingularInertiaError) -> Finding:
+    return Finding(
+        "singular-inertia",
+        "error",
+        f"joint '{error.joint}'",
+        "carries no inertia in a sampled state, so the joint-space inertia is singular to working precision",
+        "give the links beyond it mass and inertia, or make the joint fixed",
+    )
+
+
+def _with_placements(
+    robot: SpaceRobot, rng: np.random.Generator, samples: int, rows: list[Agreement], found: list[Finding]
+) -> tuple[list[Agreement], list[Finding]]:
+    """Add what the independent reader says."""
+    try:
+        reader = IndependentReader(robot)
+    except OspaceError as error:
+        remedy = "compare the file with the URDF specification: another reader may stumble where yourdfpy does"
+        return rows, [*found, Finding("second-reader", "warning", f"robot '{robot.name}'", str(error), remedy)]
+    seen = [(reader.compare(rng), _PLACEMENT_BOUND) for _ in range(samples)]
+    quantity = f"placements of {len(reader.links)} links"
+    return [*rows, summary(quantity, "14", "Pinocchio", "yourdfpy", seen)], found
