@@ -54,7 +54,8 @@ _HOME = {
     "SingularInertiaError": "exceptions",
     "DependentRowsError": "exceptions",
 }
-__all__ = [*_HOME, "models"]
+__all__ = ["models"]
+__all__ += list(_HOME)
 
 
 def __getattr__(name: str) -> Any:

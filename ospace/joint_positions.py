@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any, TypeAlias
+
 import numpy as np
 import pinocchio as pin
 
 from ospace.exceptions import OspaceError
 from ospace.kernels.tables import Floats
 
-Position = float | Floats | pin.SE3
-"""Angle or displacement; (x, y, θ) of a planar joint; pose of a floating one; Pinocchio's numbers of any other."""
+Position: TypeAlias = float | Floats | Any
+"""Angle or displacement; (x, y, θ) of a planar joint; `pin.SE3` of a floating one; Pinocchio's numbers of any other."""
 
 
 def _kind(joint: pin.JointModel) -> str:

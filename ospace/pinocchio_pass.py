@@ -80,7 +80,7 @@ class _Memory:
 
 
 def _view(first_two: Sequence[Floats], owner: pin.Data, numbers: int) -> Floats:
-    """Return the rows that start where the first two bodies' arrays start; ValueError where these are not neighbours."""
+    """Return rows that start where the arrays of the first two bodies do; ValueError where these are no neighbours."""
     here, there = (int(array.__array_interface__["data"][0]) for array in first_two)
     if there - here != 8 * numbers:
         raise ValueError("bodies do not lie side by side")

@@ -109,7 +109,7 @@ def point_set(robot: SpaceRobot, points: OperationalPoint | Sequence[Operational
             )
     link = np.array([robot.link_of_joint[point.joint] for point in given])
     paths = [robot.path_to(int(i)) for i in link]
-    path = np.zeros((len(given), max(1, max(map(len, paths)))), dtype=np.int64)
+    path = np.zeros((len(given), max(1, *map(len, paths))), dtype=np.int64)
     for row, links in zip(path, paths, strict=True):
         row[: len(links)] = links
     table = Points(

@@ -65,9 +65,7 @@ class SpaceRobot:
         self._local = threading.local()
 
     @classmethod
-    def from_urdf(
-        cls, path: str | PathLike[str], package_dirs: Sequence[str | PathLike[str]] = ()
-    ) -> SpaceRobot:
+    def from_urdf(cls, path: str | PathLike[str], package_dirs: Sequence[str | PathLike[str]] = ()) -> SpaceRobot:
         """Read a robot from a URDF; its root link becomes the freely floating base.
 
         Parameters
@@ -152,11 +150,7 @@ class SpaceRobot:
 
     def joint_of_link(self, i: int) -> str:
         """Name of the joint by which link `i` of the recursions hangs."""
-        return next(
-            self.model.names[j]
-            for j in range(1, self.model.njoints)
-            if self.model.idx_vs[j] <= i + _BASE_NV - 1 < self.model.idx_vs[j] + self.model.nvs[j]
-        )
+        return str(self.model.names[int(self.links.body[i])])
 
     def path_to(self, i: int) -> list[int]:
         """Links from the base, not included, out to link `i`."""
@@ -229,9 +223,7 @@ class SpaceRobot:
 
     # -- configurations by name ------------------------------------------------------------------------------
 
-    def configuration(
-        self, joints: Mapping[str, Position] | None = None, T_WB: pin.SE3 | None = None
-    ) -> Floats:
+    def configuration(self, joints: Mapping[str, Position] | None = None, T_WB: pin.SE3 | None = None) -> Floats:
         """Build `q` from a base pose and joint positions by name; what is not named stays at zero.
 
         Parameters
@@ -263,7 +255,7 @@ class SpaceRobot:
         return q
 
     def joint_positions(self, q: npt.ArrayLike) -> dict[str, Position]:
-        """Read joint positions by name from `q`: the inverse of `configuration`; angles of continuous joints in (−π, π]."""
+        """Read joint positions by name from `q`, the inverse of `configuration`; continuous joints in (−π, π]."""
         q = checked_vector(q, self.nq, "q", self.name)
         return {
             name: from_q(self.model.joints[j], q[self.model.idx_qs[j] :][: self.model.nqs[j]])

@@ -70,7 +70,7 @@ class Dense:
     def M_0(self) -> Floats:
         """Momentum about the base (6,): `pin.computeCentroidalMomentum`, shifted."""
         h = pin.computeCentroidalMomentum(self._model, self._data, self._q, self.state.v).vector
-        return np.r_[h[:3], h[3:] + np.cross(self._data.com[0], h[:3])]
+        return np.concatenate([h[:3], h[3:] + np.cross(self._data.com[0], h[:3])])
 
     @cached_property
     def link_velocities(self) -> Floats:

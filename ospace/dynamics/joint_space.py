@@ -76,7 +76,7 @@ class Composite:
     @property
     def diagonal(self) -> Floats:
         """Diagonal of H (nv,)."""
-        return np.r_[np.diag(self.H_b), np.diag(self.H_m)]
+        return np.concatenate([np.diag(self.H_b), np.diag(self.H_m)])
 
 
 def composite_bodies(state: State) -> Composite:
@@ -115,7 +115,7 @@ def inverse_dynamics(state: State, acceleration: npt.ArrayLike) -> Floats:
     given = checked_vector(acceleration, state.robot.nv, "acceleration", state.robot.name)
     # Seen from the frame that moves along with the base, its classical and its spatial acceleration are the same.
     F_b, tau = composite.composite_force(state.robot.links, state.tree, given[:6], given[6:])
-    forces = np.r_[F_b, tau]
+    forces = np.concatenate([F_b, tau])
     all_finite((forces,), "the force")
     return forces
 
@@ -142,7 +142,7 @@ def momentum(state: State) -> Floats:
     L_0: Floats = composite.momentum(state.tree)  # as seen from the frame that moves along with the base
     v_b = state.base_twist[:3]
     mass = state.robot.total_mass
-    M_0 = L_0 + np.r_[mass * v_b, mass * np.cross(_mass_centre(state), v_b)]
+    M_0 = L_0 + mass * np.concatenate([v_b, np.cross(_mass_centre(state), v_b)])
     all_finite((M_0,), "the momentum")
     return M_0
 
@@ -178,7 +178,7 @@ def generalized_dynamics(state: State) -> GeneralizedDynamics:
     """
     bodies = composite_bodies(state)
     c_b, c_m = bias(state)
-    H_m_star = bodies.H_m + bodies.H_bm.T @ bodies.J_b_star
+    H_m_star: Floats = bodies.H_m + bodies.H_bm.T @ bodies.J_b_star
     c_m_star = c_m + bodies.J_b_star.T @ c_b
     all_finite((H_m_star, c_m_star), "the generalized dynamics")
     return GeneralizedDynamics(0.5 * (H_m_star + H_m_star.T), c_m_star)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -62,7 +62,7 @@ class OperationalSpace:
 
     @cached_property
     def null_space_projector(self) -> Floats:
-        """1 − J_e⁺ J_e, (nv, nv): motions that leave the points at rest; its transpose, forces that do not move them."""
+        """1 − J_e⁺ J_e, (nv, nv): motions that leave the points at rest; transposed, forces that do not move them."""
         return np.eye(len(self.response)) - self.dynamically_consistent_inverse @ self.jacobian
 
 
@@ -122,7 +122,7 @@ def operational_space(
     return OperationalSpace(Gamma, Gamma_inv, Gamma @ mu, mu, J_e, rank, response)
 
 
-def refuse_dependent(given: PointSet, rank: int, dependent: Sequence[int] | Floats) -> None:
+def refuse_dependent(given: PointSet, rank: int, dependent: Iterable[int]) -> None:
     """Raise the `DependentRowsError` that names the points of the dependent rows."""
     names = [given.row_names[int(row)].rpartition(".")[0] for row in dependent]
     raise DependentRowsError(rank, len(given.rows), dict.fromkeys(names))

@@ -1,0 +1,1 @@
+"""The recursions: arrays and numbers in, arrays out."""

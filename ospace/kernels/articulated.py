@@ -1,8 +1,8 @@
 """Articulated bodies of the forward chain: the inward sweep (38), (42).
 
-    U_i = I_i^A S_i,   β_i = S_iᵀ U_i
-    I_h^A = I_h + Σ ( I_i^A − U_i U_iᵀ/β_i )                                   (38)
-    p_h^A = p_h + Σ ( p_i^A + I_i^A c_i − U_i S_iᵀ(p_i^A + I_i^A c_i)/β_i )    (42)
+U_i = I_i^A S_i,   β_i = S_iᵀ U_i
+I_h^A = I_h + Σ ( I_i^A − U_i U_iᵀ/β_i )                                   (38)
+p_h^A = p_h + Σ ( p_i^A + I_i^A c_i − U_i S_iᵀ(p_i^A + I_i^A c_i)/β_i )    (42)
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def inertia_across(I: Row, U: Row, beta_inv: Number) -> Row:
 
 @inlined
 def force_across(p: Row, U: Row, u: Number, beta_inv: Number) -> Row:
-    """p − U u/β: what is felt of the force p beyond the joint, u = Sᵀ p."""
+    """P − U u/β: what is felt of the force p beyond the joint, u = Sᵀ p."""
     return sub6(p, scale6(U, u * beta_inv))
 
 
@@ -54,7 +54,7 @@ def eliminate(links: Links, tree: Tree, body: Articulated, i: int) -> None:
 
 @inlined
 def inertia_share(I: Row, S: Row, beta_inv: Number) -> Number:
-    """β over what it is the difference of, (Σ |S_k| √I_kk)²: where it falls to rounding, no inertia is left at the joint."""
+    """β over the terms it is made of, (Σ |S_k| √I_kk)²: where it falls to rounding, the joint has no inertia left."""
     root = (
         abs(S[0]) * np.sqrt(I[0]) + abs(S[1]) * np.sqrt(I[2]) + abs(S[2]) * np.sqrt(I[5])
         + abs(S[3]) * np.sqrt(I[9]) + abs(S[4]) * np.sqrt(I[14]) + abs(S[5]) * np.sqrt(I[20])

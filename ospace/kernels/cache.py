@@ -47,6 +47,12 @@ def directory() -> Path | None:
     return folder
 
 
+def is_empty() -> bool:
+    """Whether kernels are still to be compiled on this machine."""
+    folder = directory()
+    return folder is None or next(folder.rglob("*.nbi"), None) is None
+
+
 @contextmanager
 def keyed_on_sources() -> Iterator[bool]:
     """Make numba keep what is decorated inside in `directory`; yield whether it can be kept at all."""

@@ -1,5 +1,7 @@
 """Composite bodies: momentum, joint-space inertia, inverse dynamics and the generalized Jacobians (§4.2, §5).
 
+In one frame for all links, h the parent of i:
+
     I_h^C = I_h + Σ I_i^C                                    (21)
     H_b = I_0^C,   H_bm = [… I_i^C S_i …],   (H_m)_ij = S_jᵀ I_i^C S_i for j on the way from i to the base
     L_0 = Σ I_k v_k                                          (20, 25)
@@ -45,10 +47,10 @@ from ospace.kernels.tables import Floats, Links, Points, Tree
 @entry
 def momentum(tree: Tree) -> Floats:
     """Momentum of all links about the base, (6,)."""
-    L = np.zeros((1, 6))
+    L_0 = np.zeros((1, 6))
     for k in range(tree.v.shape[0]):
-        add_to6(L, 0, sym6_mul(load21(tree.I, k), load6(tree.v, k)))
-    return L[0]
+        add_to6(L_0, 0, sym6_mul(load21(tree.I, k), load6(tree.v, k)))
+    return L_0.reshape(6)
 
 
 @entry

@@ -1,5 +1,7 @@
 """Links of one state from Pinocchio's frame data.
 
+In inertial axes about the base, h the parent of i:
+
     v_i = v_h + S_i φ̇_i                     (16)
     c_i = a_i − a_h at φ̈ = 0                (17)
     I_i = X I_{c_i} Xᵀ                       §4.2.1

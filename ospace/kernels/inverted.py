@@ -36,7 +36,7 @@ from ospace.kernels.tables import Articulated, Floats, Links, Points, Tree
 
 @inlined
 def hand_outward(links: Links, tree: Tree, body: Articulated, i: int) -> None:
-    """Pass the base's side of joint `i` on to link `i`: seen from there the joint runs backwards, so c_i changes sign."""
+    """Pass the base's side of joint `i` on to link `i`; from there the joint runs backwards, so c_i changes sign."""
     h = links.parent[i]
     S, I = load6(tree.S, i), load21(body.I, h)
     U = sym6_mul(I, S)

@@ -131,7 +131,7 @@ def angular(a: Row) -> Row:
 
 @inlined
 def cross_force(v: Row, f: Row) -> Row:
-    """v ×̂ f for a momentum or force f: [ω̃ 0; ṽ ω̃] f (the dual of the operator on motions)."""
+    """V ×̂ f for a momentum or force f: [ω̃ 0; ṽ ω̃] f (the dual of the operator on motions)."""
     return cross(angular(v), linear(f)) + add3(cross(linear(v), linear(f)), cross(angular(v), angular(f)))
 
 
@@ -193,7 +193,7 @@ def sym6_sub(A: Row, B: Row) -> Row:
 
 @inlined
 def sym6_outer(u: Row, w: Row) -> Row:
-    """u wᵀ, where w is a multiple of u."""
+    """U wᵀ, where w is a multiple of u."""
     return (
         (u[0] * w[0],)
         + (u[1] * w[0], u[1] * w[1])
@@ -218,7 +218,7 @@ def sym6_to_mat(A: Row) -> Row:
 
 @inlined
 def sym6_inverse(A: Row) -> Row:
-    """A⁻¹ by blocks [M Hᵀ; H J]; for an inertia, the Schur complement of M is the rotational part about the mass centre."""
+    """A⁻¹ by blocks [M Hᵀ; H J]; of an inertia, the Schur complement of M is rotational, about the mass centre."""
     H = (A[6], A[10], A[15], A[7], A[11], A[16], A[8], A[12], A[17])
     M = sym3_inverse((A[0], A[1], A[2], A[3], A[4], A[5]))
     T = mat3_mul(H, sym3_to_mat(M))

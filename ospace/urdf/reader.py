@@ -38,7 +38,7 @@ def read(path: Path) -> Reading:
     """
     root = _parse(path, _bytes_of(path))
     if root.tag != "robot":
-        raise UrdfError(path, f"the root element is <{root.tag}>, not <robot>: this is no URDF")
+        raise UrdfError(path, f"the root element is <{root.tag!s}>, not <robot>: this is no URDF")
     if not root.get("name"):
         raise UrdfError(path, "<robot> has no name: give it one, as in <robot name='chaser'>")
     if root.find("link") is None:

@@ -1,0 +1,1 @@
+"""Recursion against oracle: states, quantities, table, report."""

@@ -79,10 +79,8 @@ class IndependentReader:
 def _load(path: Path) -> yourdfpy.URDF:
     with _quiet():
         try:
-            return yourdfpy.URDF.load(
-                str(path), build_scene_graph=True, load_meshes=False, load_collision_meshes=False
-            )
-        except Exception as error:  # noqa: BLE001  yourdfpy lets any error of its parts through
+            return yourdfpy.URDF.load(str(path), build_scene_graph=True, load_meshes=False, load_collision_meshes=False)
+        except Exception as error:  # yourdfpy lets any error of its parts through
             raise OspaceError(f"yourdfpy rejects {path}: {type(error).__name__}: {error}") from error
 
 

@@ -1,4 +1,4 @@
-"""What `ospace check` finds: facts of the model, findings, agreement table, verdict; as data and as one JSON document."""
+"""What `ospace check` finds: facts of the model, findings, agreement table, verdict; also as one JSON document."""
 
 from __future__ import annotations
 
@@ -15,8 +15,9 @@ from ospace.exceptions import OspaceError, SingularInertiaError
 from ospace.points import OperationalPoint
 from ospace.robot import SpaceRobot
 from ospace.urdf.findings import Finding
-from ospace.validation.agreement import Agreement, AgreementTable, Sample, condition, summary
+from ospace.validation.agreement import Agreement, AgreementTable, summary
 from ospace.validation.placements import IndependentReader
+from ospace.validation.sample import Sample, condition
 from ospace.validation.sampling import random_state
 
 SCHEMA_VERSION = 1

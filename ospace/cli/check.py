@@ -1,0 +1,195 @@
+"""``ospace check URDF``: whether the model is sound, and every quantity of the paper agrees with Pinocchio."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
+    from ospace.validation.report import ModelFacts, Report
+
+_PIPE_WIDTH = 200
+_COLOURS = {"agrees": "green", "differs": "bold red", "undecided": "yellow", "error": "bold red", "warning": "yellow"}
+
+
+def add_to(verbs: Any) -> None:
+    """Describe the verb to argparse."""
+    verb = verbs.add_parser(
+        "check",
+        help="check a URDF and the dynamics computed from it",
+        description="Read a URDF, compute every quantity of the paper by its recursion, and compare it with Pinocchio "
+        "over random states. Exit status: 0 sound, 1 findings of level error, 2 unreadable input or wrong usage.",
+    )
+    verb.add_argument("urdf", metavar="URDF", help="a file, or the name of a robot that comes with ospace")
+    verb.add_argument(
+        "--point", metavar="FRAME", action="append", help="operational point; repeatable (default: the leaf links)"
+    )
+    verb.add_argument("--samples", metavar="N", type=_count, default=20, help="random states (default: %(default)s)")
+    verb.add_argument("--seed", metavar="S", type=_seed, default=0, help="seed of the states (default: %(default)s)")
+    verb.add_argument("--json", action="store_true", help="print one JSON document instead of tables")
+    verb.add_argument(
+        "--package-dir", metavar="DIR", action="append", default=[], help="where package:// names are looked up"
+    )
+    verb.set_defaults(run=run)
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= 100_000:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number of states from 1 to 100000")
+    return int(text)
+
+
+def _seed(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number from 0 on")
+    return int(text)
+
+
+def run(given: argparse.Namespace) -> int:
+    """Check, print, and return the exit status."""
+    from ospace.cli.main import EXIT_FINDINGS
+    from ospace.exceptions import OspaceError, UnsoundModelError
+    from ospace.robot import SpaceRobot
+    from ospace.validation import report
+
+    for folder in given.package_dir:
+        if not Path(folder).is_dir():
+            raise OspaceError(f"--package-dir {folder}: no such folder")
+    try:
+        robot = SpaceRobot.from_urdf(_find(given.urdf), given.package_dir)
+    except UnsoundModelError as error:
+        result = report.Report(None, error.findings)
+    else:
+        points = [robot.point(name) for name in given.point or robot.leaf_links]
+        with _progress(given.samples) as advance:
+            result = report.check(robot, points, samples=given.samples, seed=given.seed, progress=advance)
+    if given.json:
+        print(json.dumps(result.as_dict(), indent=2))
+    else:
+        _print(result, given.urdf)
+    return EXIT_FINDINGS if result.errors else 0
+
+
+def _find(urdf: str) -> Path:
+    """Return the file, or the robot of that name that comes with ospace."""
+    from ospace import models
+
+    if not Path(urdf).exists() and urdf in models.names():
+        return models.path(urdf)
+    return Path(urdf)
+
+
+@contextmanager
+def _progress(states: int) -> Iterator[Callable[[int], None]]:
+    """Show a bar on the terminal, on standard error; nothing in a pipe but that kernels are being compiled."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    from ospace.kernels import cache
+
+    fresh = cache.is_empty()
+    what = "compiling kernels, once for this machine (about 20 s)" if fresh else "comparing states"
+    console = Console(stderr=True)
+    if fresh and not console.is_terminal:
+        print(f"ospace: {what}", file=sys.stderr)
+    if cache.directory() is None:
+        print("ospace: no folder to keep compiled kernels in: set OSPACE_CACHE_DIR to one", file=sys.stderr)
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task(what, total=states)
+
+        def advance(done: int) -> None:
+            bar.update(task, completed=done, description="comparing states")
+
+        yield advance
+
+
+# -- what people read --------------------------------------------------------------------------------------------
+
+
+def _print(result: Report, urdf: str) -> None:
+    from rich.console import Console
+
+    console = Console(highlight=False, soft_wrap=True)
+    if not console.is_terminal:
+        console = Console(highlight=False, width=_PIPE_WIDTH, soft_wrap=True)
+    if result.model is not None:
+        _print_model(console, result.model)
+    if result.findings:
+        console.print("\nFindings", style="bold")
+        for finding in result.findings:
+            mark = f"[{_COLOURS.get(finding.severity, '')}]{finding.severity:8}[/]"
+            console.print(f"  {mark} {finding.code}: {_plain(finding.subject)}: {_plain(finding.message)}")
+            console.print(f"           {_plain(finding.remedy)}")
+    if result.agreement:
+        console.print()
+        console.print(_agreement(result, console.is_terminal))
+    decided = sum(row.verdict == "agrees" for row in result.agreement)
+    if result.agreement:
+        console.print(
+            f"\n{decided} of {len(result.agreement)} quantities agree over {result.samples} states "
+            f"(seed {result.seed}, every second state 7e6 m from the origin)"
+        )
+    warnings = sum(finding.severity == "warning" for finding in result.findings)
+    colour = "bold red" if result.errors else "bold green"
+    summary = f"{_number(result.errors, 'error')}, {_number(warnings, 'warning')}"
+    console.print(f"[{colour}]{result.verdict}[/]: {_plain(urdf)}: {summary}")
+
+
+def _print_model(console: Console, model: ModelFacts) -> None:
+    joints = ", ".join(f"{count} {kind}" for kind, count in model.joints.items()) or "none"
+    inertias = ", ".join(f"{value:.6g}" for value in model.principal_inertias)
+    centre = ", ".join(f"{value:.6g}" for value in model.mass_centre)
+    points = ", ".join(f"{point['frame']} ({point['rows']} rows)" for point in model.points)
+    console.print(f"[bold]{_plain(model.name)}[/]")
+    for name, value in (
+        ("bodies", f"{model.bodies}, fixed joints merged"),
+        ("joints", joints),
+        ("degrees of freedom", f"{model.degrees_of_freedom}, of these 6 of the floating base"),
+        ("total mass", f"{model.total_mass:.6g} kg"),
+        ("arm-to-base mass ratio", f"{model.arm_to_base_mass_ratio:.4g} (base {model.base_mass:.6g} kg)"),
+        ("principal inertias", f"{inertias} kg m² about the centre of mass, joints at zero"),
+        ("centre of mass", f"{centre} m from the base link, joints at zero"),
+        ("condition of H_b", f"{model.condition_H_b:.4g} with unit diagonal"),
+        ("gravity", f"{model.gravity:g} m/s²"),
+        ("units", model.units),
+        ("operational points", _plain(points)),
+    ):
+        console.print(f"  {name:23} {value}")
+
+
+def _agreement(result: Report, terminal: bool) -> Table:
+    from rich import box
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD if terminal else None, pad_edge=False, header_style="bold")
+    for heading in ("quantity", "equation", "computed by", "checked against"):
+        table.add_column(heading, overflow="fold")
+    for heading in ("worst error", "bound"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("verdict", no_wrap=True)
+    for row in result.agreement:
+        verdict = f"[{_COLOURS[row.verdict]}]{row.verdict}[/]"
+        if row.telling < row.states:
+            verdict += f" ({row.telling} of {row.states} states can tell)"
+        texts = (row.quantity, row.equation, row.computed_by, row.checked_against)
+        table.add_row(*map(_plain, texts), f"{row.error:.1e}", f"{row.bound:.1e}", verdict)
+    return table
+
+
+def _plain(text: str) -> str:
+    from rich.markup import escape
+
+    return escape(text)
+
+
+def _number(count: int, what: str) -> str:
+    return f"{count} {what}" + ("" if count == 1 else "s")

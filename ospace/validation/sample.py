@@ -1,0 +1,143 @@
+"""One state of a robot under random loads: recursions beside dense forms, with the scales and conditions of the state."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+
+from ospace.dynamics.dense import Dense
+from ospace.dynamics.free_floating import FreeFloating, free_floating
+from ospace.dynamics.generalized_jacobian import GeneralizedJacobian, generalized_jacobian
+from ospace.dynamics.joint_space import (
+    GeneralizedDynamics,
+    JointSpaceDynamics,
+    generalized_dynamics,
+    joint_space_dynamics,
+)
+from ospace.dynamics.operational_space import OperationalSpace, operational_space
+from ospace.dynamics.ranges import RangeInverse, inverse_on_range
+from ospace.kernels import composite
+from ospace.kernels.tables import Floats
+from ospace.points import OperationalPoint
+from ospace.state import State
+
+
+class Sample:
+    """One state with random loads: results of the recursions beside the dense forms, each computed once."""
+
+    def __init__(self, state: State, points: Sequence[OperationalPoint], rng: np.random.Generator) -> None:
+        self.state, self.points = state, tuple(points)
+        self.dense = Dense(state, self.points)
+        self.load = rng.normal(size=state.robot.nv) * self.velocity_scale
+        self.F_e = rng.normal(size=len(self.dense.J_e)) * self.point_scale
+
+    @cached_property
+    def joint_space(self) -> JointSpaceDynamics:
+        return joint_space_dynamics(self.state)
+
+    @cached_property
+    def generalized(self) -> GeneralizedDynamics:
+        return generalized_dynamics(self.state)
+
+    @cached_property
+    def jacobians(self) -> GeneralizedJacobian:
+        return generalized_jacobian(self.state, self.points)
+
+    @cached_property
+    def operational(self) -> OperationalSpace:
+        return operational_space(self.state, self.points)
+
+    @cached_property
+    def floating(self) -> FreeFloating:
+        return free_floating(self.state, self.points)
+
+    @cached_property
+    def inverted(self) -> OperationalSpace:
+        return operational_space(self.state, self.points, "inverted")
+
+    @cached_property
+    def each_point(self) -> list[Sample]:
+        """The same state with each point alone."""
+        return [Sample(self.state, [point], np.random.default_rng(0)) for point in self.points]
+
+    # -- scales and conditions -------------------------------------------------------------------------------
+
+    @cached_property
+    def velocity_scale(self) -> Floats:
+        return np.asarray(np.sqrt(np.diag(self.dense.H)))
+
+    @cached_property
+    def force_scale(self) -> Floats:
+        return 1.0 / self.velocity_scale
+
+    @cached_property
+    def point_scale(self) -> Floats:
+        """Scale of velocities of the points; its inverse is that of forces."""
+        return np.asarray(1.0 / np.sqrt(np.diag(self.dense.Gamma_e_inv)))
+
+    @cached_property
+    def speed(self) -> float:
+        """Natural size of velocity products: the scaled speed times the fastest rate, from a frame beside the base."""
+        v = self.dense.velocity.copy()
+        v[:3] = 0.0
+        return float(np.linalg.norm(self.velocity_scale * v) * np.abs(v).max())
+
+    @cached_property
+    def lever(self) -> float:
+        """The most by which terms that cancel exceed what is left of them at a joint: long arms, small last links.
+
+        Inertias stand about the base, so a link's own small inertia about its joint is the difference of terms of
+        its mass times its distance squared.
+        """
+        IC = composite.composite_inertia(self.state.robot.links, self.state.tree)[0]
+        terms = np.abs(self.state.tree.S) * np.sqrt(IC[:, [0, 2, 5, 9, 14, 20]])
+        return float((terms[1:].sum(axis=1) ** 2 / np.diag(self.dense.H)[6:]).max(initial=1.0))
+
+    @cached_property
+    def condition_H_b(self) -> float:
+        return condition(self.dense.H[:6, :6])
+
+    @cached_property
+    def condition_H(self) -> float:
+        return condition(self.dense.H) + self.lever
+
+    @cached_property
+    def Gamma_e(self) -> RangeInverse:
+        J_e, mobility = self.dense.J_e, np.diag(self.dense.Gamma_e_inv)
+        return inverse_on_range(self.dense.Gamma_e_inv, J_e, mobility, np.diag(self.dense.H))
+
+    @cached_property
+    def Lambda(self) -> RangeInverse:
+        mobility, inertia = np.diag(self.dense.Gamma_e_inv), np.diag(self.dense.H_m_star)
+        return inverse_on_range(self.dense.Lambda_inv, self.dense.J_m_star, mobility, inertia)
+
+    @cached_property
+    def condition_Gamma(self) -> float:
+        return self._condition_of_inverse(self.dense.Gamma_e_inv, self.Gamma_e.rank)
+
+    @cached_property
+    def condition_Lambda(self) -> float:
+        return self._condition_of_inverse(self.dense.Lambda_inv, self.Lambda.rank)
+
+    def _condition_of_inverse(self, A: Floats, rank: int) -> float:
+        """Condition of A⁻¹ = (J H⁻¹ Jᵀ)⁻¹ on its range: of `A`, scaled at full rank, else as it stands, times that of H."""
+        if not rank:
+            return 1.0
+        full = rank == len(A)
+        eigenvalues = np.linalg.eigvalsh(A * np.outer(self.point_scale, self.point_scale) if full else A)
+        of_range = float(max(eigenvalues[-1], 1.0 if full else 0.0) / abs(eigenvalues[len(A) - rank]))
+        return condition(self.dense.H) * of_range + self.lever
+
+
+def condition(A: Floats) -> float:
+    """Return the condition number of a symmetric positive definite matrix with its diagonal scaled to one."""
+    if not A.size:
+        return 1.0
+    diagonal = np.diag(A)
+    if not (diagonal > 0.0).all():
+        return np.inf
+    scale = 1.0 / np.sqrt(diagonal)
+    eigenvalues = np.linalg.eigvalsh(A * np.outer(scale, scale))
+    return float(eigenvalues[-1] / eigenvalues[0]) if eigenvalues[0] > 0.0 else np.inf
