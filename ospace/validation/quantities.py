@@ -41,6 +41,30 @@ class Comparison(NamedTuple):
 Compare = Callable[[Sample], Comparison]
 
 
+class Quantity(NamedTuple):
+    """One row of the table."""
+
+    name: str
+    equation: str
+    computed_by: str
+    checked_against: str
+    compare: Compare
+
+
+TABLE: list[Quantity] = []
+
+
+def quantity(name: str, equation: str, computed_by: str, checked_against: str) -> Callable[[Compare], Compare]:
+    """Make a function one more row of the table."""
+
+    def add(compare: Compare) -> Compare:
+        TABLE.append(Quantity(name, equation, computed_by, checked_against, compare))
+        return compare
+
+    return add
+
+
+@quantity("link velocities v_i", "16", "outward recursion", "pin.forwardKinematics")
 def link_velocities(s: Sample) -> Comparison:
     robot, tree = s.state.robot, s.state.tree
     at = s.state.placements[1:, 9:]
@@ -50,99 +74,118 @@ def link_velocities(s: Sample) -> Comparison:
     return Comparison(value, s.dense.link_velocities, floor=SMALL * float(np.abs(s.dense.velocity).max()))
 
 
+@quantity("momentum M_0", "1, 20, 25", "sum over links", "pin.computeCentroidalMomentum")
 def momentum_(s: Sample) -> Comparison:
     natural = float(np.linalg.norm(s.velocity_scale * s.dense.velocity))
     return Comparison(momentum(s.state), s.dense.M_0, s.force_scale[:6], floor=SMALL * natural)
 
 
+@quantity("base inertia H_b", "21", "composite bodies", "pin.crba")
 def base_inertia(s: Sample) -> Comparison:
     scale = s.force_scale[:6]
     return Comparison(s.joint_space.base_inertia, s.dense.H[:6, :6], scale, scale)
 
 
+@quantity("coupling inertia H_bm", "21", "composite bodies", "pin.crba")
 def coupling_inertia(s: Sample) -> Comparison:
     return Comparison(s.joint_space.coupling_inertia, s.dense.H[:6, 6:], s.force_scale[:6], s.force_scale[6:])
 
 
+@quantity("manipulator inertia H_m", "21", "composite bodies", "pin.crba")
 def manipulator_inertia(s: Sample) -> Comparison:
     scale = s.force_scale[6:]
     return Comparison(s.joint_space.manipulator_inertia, s.dense.H[6:, 6:], scale, scale, s.lever)
 
 
+@quantity("base bias c_b", "17-19", "composite forces", "pin.rnea")
 def base_bias(s: Sample) -> Comparison:
     return Comparison(s.joint_space.base_bias, s.dense.c[:6], s.force_scale[:6], floor=SMALL * s.speed)
 
 
+@quantity("manipulator bias c_m", "17-19", "composite forces", "pin.rnea")
 def manipulator_bias(s: Sample) -> Comparison:
     scale = s.force_scale[6:]
     return Comparison(s.joint_space.manipulator_bias, s.dense.c[6:], scale, 1.0, s.lever, SMALL * s.speed)
 
 
+@quantity("base generalized Jacobian J_b*", "3, 27, 28", "composite bodies", "pin.crba")
 def base_generalized_jacobian(s: Sample) -> Comparison:
     value = s.jacobians.base_generalized_jacobian
     return Comparison(value, s.dense.J_b_star, s.velocity_scale[:6], s.force_scale[6:], s.condition_H_b)
 
 
+@quantity("generalized Jacobian J_m*", "5, 29-31", "composite bodies", "crba, Jacobians")
 def generalized_jacobian_(s: Sample) -> Comparison:
     value = s.jacobians.generalized_jacobian
     return Comparison(value, s.dense.J_m_star, s.point_scale, s.force_scale[6:], s.condition_H_b)
 
 
+@quantity("base velocity", "2, 26", "J_b* and momentum", "base twist")
 def base_velocity(s: Sample) -> Comparison:
     value = s.jacobians.base_generalized_jacobian @ s.state.v[6:] + s.jacobians.base_momentum_velocity
     natural = float(np.linalg.norm(s.velocity_scale * s.dense.velocity))
     return Comparison(value, s.dense.velocity[:6], s.velocity_scale[:6], 1.0, s.condition_H_b, SMALL * natural)
 
 
+@quantity("point velocity", "4", "J_m* and momentum", "Jacobians")
 def point_velocity(s: Sample) -> Comparison:
     value = s.jacobians.generalized_jacobian @ s.state.v[6:] + s.jacobians.momentum_velocity
     natural = float(np.linalg.norm(s.velocity_scale * s.dense.velocity))
     return Comparison(value, s.dense.J_e @ s.dense.velocity, s.point_scale, 1.0, s.condition_H_b, SMALL * natural)
 
 
+@quantity("generalized inertia H_m*", "7", "composite bodies", "pin.crba")
 def generalized_inertia(s: Sample) -> Comparison:
     scale = s.force_scale[6:]
     condition = s.condition_H_b + s.lever
     return Comparison(s.generalized.generalized_inertia, s.dense.H_m_star, scale, scale, condition)
 
 
+@quantity("its inverse", "7", "composite bodies", "pin.computeMinverse")
 def generalized_inertia_inverse(s: Sample) -> Comparison:
     n, scale = s.state.robot.n_joints, s.velocity_scale[6:]
     value = solve(s.generalized.generalized_inertia, np.eye(n)) if n else np.empty((0, 0))
     return Comparison(value, s.dense.H_inv[6:, 6:], scale, scale, s.condition_H)
 
 
+@quantity("generalized bias c_m*", "7", "composite forces", "crba, rnea")
 def generalized_bias(s: Sample) -> Comparison:
     value = s.generalized.generalized_bias
     condition = s.condition_H_b + s.lever
     return Comparison(value, s.dense.c_m_star, s.force_scale[6:], 1.0, condition, SMALL * s.speed)
 
 
+@quantity("point Jacobian J_e", "16, 29", "outward recursion", "Jacobians")
 def jacobian(s: Sample) -> Comparison:
     return Comparison(s.operational.jacobian, s.dense.J_e, s.point_scale, s.force_scale)
 
 
+@quantity("inverse inertia, all blocks", "37-41", "forward chain", "crba, Jacobians (9)")
 def inertia_inverse(s: Sample) -> Comparison:
     scale = s.point_scale
     return Comparison(s.operational.inertia_inverse, s.dense.Gamma_e_inv, scale, scale, s.condition_H)
 
 
+@quantity("inverse inertia, all blocks", "37-41", "forward chain", "pin.computeMinverse")
 def inertia_inverse_by_minverse(s: Sample) -> Comparison:
     reference = s.dense.J_e @ s.dense.H_inv @ s.dense.J_e.T
     return Comparison(s.operational.inertia_inverse, reference, s.point_scale, s.point_scale, s.condition_H)
 
 
+@quantity("operational inertia", "§6.2 step 5", "forward chain", "dense (9)")
 def inertia(s: Sample) -> Comparison:
     reference = s.Gamma_e.inverse
     scale = 1.0 / s.point_scale
     return Comparison(s.operational.inertia, reference, scale, scale, s.condition_Gamma)
 
 
+@quantity("bias acceleration", "42-44", "forward chain", "crba, rnea, drift")
 def bias_acceleration(s: Sample) -> Comparison:
     value = s.operational.bias_acceleration
     return Comparison(value, s.dense.mu, s.point_scale, 1.0, s.condition_H, SMALL * s.speed)
 
 
+@quantity("bias force", "45", "forward chain", "dense (10)")
 def bias_force(s: Sample) -> Comparison:
     Gamma = s.Gamma_e.inverse
     J_e_plus = s.dense.response @ Gamma
@@ -150,12 +193,14 @@ def bias_force(s: Sample) -> Comparison:
     return Comparison(s.operational.bias_force, reference, 1.0 / s.point_scale, 1.0, s.condition_Gamma, SMALL * s.speed)
 
 
+@quantity("dynamically consistent inverse J_e+", "11", "response sweep", "pin.crba")
 def dynamically_consistent_inverse(s: Sample) -> Comparison:
     reference = s.dense.response @ s.Gamma_e.inverse
     value = s.operational.dynamically_consistent_inverse
     return Comparison(value, reference, s.velocity_scale, 1.0 / s.point_scale, s.condition_Gamma)
 
 
+@quantity("null-space projector 1 - J_e+ J_e", "11", "response sweep", "pin.crba")
 def null_space_projector(s: Sample) -> Comparison:
     Gamma = s.Gamma_e.inverse
     reference = np.eye(s.state.robot.nv) - s.dense.response @ Gamma @ s.dense.J_e
@@ -168,6 +213,7 @@ def _worst_point(s: Sample, compare: Compare) -> Comparison:
     return max((compare(alone) for alone in s.each_point), key=lambda one: one.error / one.condition)
 
 
+@quantity("inertia of each point", "33, 34", "inverted chain", "dense (9)")
 def inverted_inertia(s: Sample) -> Comparison:
     def at(one: Sample) -> Comparison:
         scale = 1.0 / one.point_scale
@@ -176,6 +222,7 @@ def inverted_inertia(s: Sample) -> Comparison:
     return _worst_point(s, at)
 
 
+@quantity("bias force of each point", "35, 36", "inverted chain", "dense (10)")
 def inverted_bias_force(s: Sample) -> Comparison:
     def at(one: Sample) -> Comparison:
         reference = one.Gamma_e.inverse @ one.dense.mu
@@ -185,31 +232,37 @@ def inverted_bias_force(s: Sample) -> Comparison:
     return _worst_point(s, at)
 
 
+@quantity("floating inverse inertia", "12", "response sweep", "crba, Jacobians")
 def floating_inertia_inverse(s: Sample) -> Comparison:
     scale = s.point_scale
     return Comparison(s.floating.floating_inertia_inverse, s.dense.Lambda_inv, scale, scale, s.condition_H)
 
 
+@quantity("base inverse inertia", "12", "composite bodies", "crba, Jacobians")
 def base_inertia_inverse(s: Sample) -> Comparison:
     scale = s.point_scale
     return Comparison(s.floating.base_inertia_inverse, s.dense.Lambda_b_inv, scale, scale, s.condition_H_b)
 
 
+@quantity("floating inertia", "12", "response sweep", "crba, Jacobians")
 def floating_inertia(s: Sample) -> Comparison:
     reference = s.Lambda.inverse
     scale = 1.0 / s.point_scale
     return Comparison(s.floating.floating_inertia, reference, scale, scale, s.condition_Lambda)
 
 
+@quantity("floating bias acceleration", "12", "composite forces", "crba, rnea, drift")
 def floating_bias(s: Sample) -> Comparison:
     value = s.floating.bias_acceleration
     return Comparison(value, s.dense.mu, s.point_scale, 1.0, s.condition_H, SMALL * s.speed)
 
 
+@quantity("torque map J_m* H_m*^-1", "12", "response sweep", "crba, Jacobians")
 def torque_map(s: Sample) -> Comparison:
     return Comparison(s.floating.torque_map, s.dense.torque_map, s.point_scale, s.velocity_scale[6:], s.condition_H)
 
 
+@quantity("dynamically consistent inverse J_m*+", "13", "response sweep", "crba, Jacobians")
 def floating_consistent_inverse(s: Sample) -> Comparison:
     Lambda = s.Lambda.inverse
     reference = s.dense.torque_map.T @ Lambda
@@ -217,17 +270,20 @@ def floating_consistent_inverse(s: Sample) -> Comparison:
     return Comparison(value, reference, s.velocity_scale[6:], 1.0 / s.point_scale, s.condition_Lambda)
 
 
+@quantity("floating + base = operational", "12", "response, composite", "forward chain")
 def inertias_add_up(s: Sample) -> Comparison:
     value = s.floating.floating_inertia_inverse + s.floating.base_inertia_inverse
     return Comparison(value, s.operational.inertia_inverse, s.point_scale, s.point_scale, s.condition_H)
 
 
+@quantity("inertia x floating bias = bias force", "12", "composite forces", "forward chain")
 def biases_agree(s: Sample) -> Comparison:
     value = s.operational.inertia @ s.floating.bias_acceleration
     reference = s.operational.bias_force
     return Comparison(value, reference, 1.0 / s.point_scale, 1.0, s.condition_Gamma, SMALL * s.speed)
 
 
+@quantity("motion under forces, free-flying", "8", "forward chain", "pin.aba")
 def motion_under_load(s: Sample) -> Comparison:
     now = s.operational
     value = now.response.T @ s.load + now.inertia_inverse @ s.F_e - now.bias_acceleration
@@ -235,6 +291,7 @@ def motion_under_load(s: Sample) -> Comparison:
     return Comparison(value, reference, s.point_scale, 1.0, s.condition_H, SMALL * s.speed)
 
 
+@quantity("motion under forces, free-floating", "12", "response, composite", "pin.aba")
 def floating_motion_under_load(s: Sample) -> Comparison:
     load = np.r_[np.zeros(6), s.load[6:]]
     Gamma_inv = s.floating.floating_inertia_inverse + s.floating.base_inertia_inverse
@@ -243,6 +300,7 @@ def floating_motion_under_load(s: Sample) -> Comparison:
     return Comparison(value, reference, s.point_scale, 1.0, s.condition_H, SMALL * s.speed)
 
 
+@quantity("rate of momentum", "6, 20", "composite forces", "applied wrenches")
 def momentum_rate(s: Sample) -> Comparison:
     _, acceleration = s.dense.accelerations_under(s.load, s.F_e)
     v_b, P = s.state.base_twist[:3], s.dense.M_0[:3]
@@ -254,62 +312,3 @@ def momentum_rate(s: Sample) -> Comparison:
         applied += np.r_[wrench[:3], wrench[3:] + np.cross(arm, wrench[:3])]
     natural = float(np.linalg.norm(s.velocity_scale * acceleration))
     return Comparison(value, applied - moving, s.force_scale[:6], 1.0, s.condition_H, SMALL * natural)
-
-
-class Quantity(NamedTuple):
-    """One row of the table."""
-
-    name: str
-    equation: str
-    computed_by: str
-    checked_against: str
-    compare: Compare
-
-
-CRBA, RNEA, MINVERSE, ABA = "pin.crba", "pin.rnea", "pin.computeMinverse", "pin.aba"
-TABLE = tuple(
-    Quantity(*row)
-    for row in (
-        ("link velocities v_i", "16", "outward recursion", "pin.forwardKinematics", link_velocities),
-        ("momentum M_0", "1, 20, 25", "sum over links", "pin.computeCentroidalMomentum", momentum_),
-        ("base inertia H_b", "21", "composite bodies", CRBA, base_inertia),
-        ("coupling inertia H_bm", "21", "composite bodies", CRBA, coupling_inertia),
-        ("manipulator inertia H_m", "21", "composite bodies", CRBA, manipulator_inertia),
-        ("base bias c_b", "17-19", "composite forces", RNEA, base_bias),
-        ("manipulator bias c_m", "17-19", "composite forces", RNEA, manipulator_bias),
-        ("base generalized Jacobian J_b*", "3, 27, 28", "composite bodies", CRBA, base_generalized_jacobian),
-        ("generalized Jacobian J_m*", "5, 29-31", "composite bodies", "crba, Jacobians", generalized_jacobian_),
-        ("base velocity", "2, 26", "J_b* and momentum", "base twist", base_velocity),
-        ("point velocity", "4", "J_m* and momentum", "Jacobians", point_velocity),
-        ("generalized inertia H_m*", "7", "composite bodies", CRBA, generalized_inertia),
-        ("its inverse", "7", "composite bodies", MINVERSE, generalized_inertia_inverse),
-        ("generalized bias c_m*", "7", "composite forces", "crba, rnea", generalized_bias),
-        ("point Jacobian J_e", "16, 29", "outward recursion", "Jacobians", jacobian),
-        ("inertia of each point", "33, 34", "inverted chain", "dense (9)", inverted_inertia),
-        ("bias force of each point", "35, 36", "inverted chain", "dense (10)", inverted_bias_force),
-        ("inverse inertia, all blocks", "37-41", "forward chain", "crba, Jacobians (9)", inertia_inverse),
-        ("inverse inertia, all blocks", "37-41", "forward chain", MINVERSE, inertia_inverse_by_minverse),
-        ("operational inertia", "§6.2 step 5", "forward chain", "dense (9)", inertia),
-        ("bias acceleration", "42-44", "forward chain", "crba, rnea, drift", bias_acceleration),
-        ("bias force", "45", "forward chain", "dense (10)", bias_force),
-        ("dynamically consistent inverse J_e+", "11", "response sweep", CRBA, dynamically_consistent_inverse),
-        ("null-space projector 1 - J_e+ J_e", "11", "response sweep", CRBA, null_space_projector),
-        ("floating inverse inertia", "12", "response sweep", "crba, Jacobians", floating_inertia_inverse),
-        ("base inverse inertia", "12", "composite bodies", "crba, Jacobians", base_inertia_inverse),
-        ("floating inertia", "12", "response sweep", "crba, Jacobians", floating_inertia),
-        ("floating bias acceleration", "12", "composite forces", "crba, rnea, drift", floating_bias),
-        ("torque map J_m* H_m*^-1", "12", "response sweep", "crba, Jacobians", torque_map),
-        (
-            "dynamically consistent inverse J_m*+",
-            "13",
-            "response sweep",
-            "crba, Jacobians",
-            floating_consistent_inverse,
-        ),
-        ("floating + base = operational", "12", "response, composite", "forward chain", inertias_add_up),
-        ("inertia x floating bias = bias force", "12", "composite forces", "forward chain", biases_agree),
-        ("motion under forces, free-flying", "8", "forward chain", ABA, motion_under_load),
-        ("motion under forces, free-floating", "12", "response, composite", ABA, floating_motion_under_load),
-        ("rate of momentum", "6, 20", "composite forces", "applied wrenches", momentum_rate),
-    )
-)

@@ -1,4 +1,4 @@
-"""One state of a robot under random loads: recursions beside dense forms, with the scales and conditions of the state."""
+"""One state under random loads: recursions beside dense forms, with the scales and conditions of the state."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ class Sample:
         return self._condition_of_inverse(self.dense.Lambda_inv, self.Lambda.rank)
 
     def _condition_of_inverse(self, A: Floats, rank: int) -> float:
-        """Condition of A⁻¹ = (J H⁻¹ Jᵀ)⁻¹ on its range: of `A`, scaled at full rank, else as it stands, times that of H."""
+        """Condition of (J H⁻¹ Jᵀ)⁻¹ on its range: that of `A`, scaled at full rank, else as it stands, times that of H."""
         if not rank:
             return 1.0
         full = rank == len(A)
