@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 QUATERNION_TOLERANCE = 1e-6
 """How far the length of a quaternion, or of a (cos, sin) pair, may be from one; it is then set to one."""
+_UNIT = 1e-15  # as close to one as rounding leaves it: set to one again, it would only change in its last digit
 
 
 class State:
@@ -89,14 +90,15 @@ class State:
 def _normalize(robot: SpaceRobot, q: Floats) -> None:
     """Bring quaternions and (cos, sin) pairs to unit length, in place; raise where they are far from it."""
     model = robot.model
-    if not pin.isNormalized(model, q, QUATERNION_TOLERANCE):
-        for j in range(1, model.njoints):
-            part = q[model.idx_qs[j] : model.idx_qs[j] + model.nqs[j]]
-            fixed = pin.normalize(model, q)[model.idx_qs[j] : model.idx_qs[j] + model.nqs[j]]
-            if not np.allclose(part, fixed, rtol=0.0, atol=QUATERNION_TOLERANCE):
-                whose = "base quaternion q[3:7]" if j == 1 else f"rotation part of q of joint '{model.names[j]}'"
-                raise OspaceError(
-                    f"the {whose} is not of unit length: {part[3:7] if j == 1 else part}; "
-                    f"divide it by its length, or build q with robot.configuration"
-                )
-    q[:] = pin.normalize(model, q)
+    if pin.isNormalized(model, q, _UNIT):
+        return
+    unit = pin.normalize(model, q)
+    for j in range(1, model.njoints):
+        part = slice(model.idx_qs[j], model.idx_qs[j] + model.nqs[j])
+        if not np.allclose(q[part], unit[part], rtol=0.0, atol=QUATERNION_TOLERANCE):
+            whose = "base quaternion q[3:7]" if j == 1 else f"rotation part of q of joint '{model.names[j]}'"
+            raise OspaceError(
+                f"the {whose} is not of unit length: {q[3:7] if j == 1 else q[part]}; "
+                f"divide it by its length, or build q with robot.configuration"
+            )
+    q[:] = unit

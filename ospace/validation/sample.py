@@ -122,7 +122,7 @@ class Sample:
         return self._condition_of_inverse(self.dense.Lambda_inv, self.Lambda.rank)
 
     def _condition_of_inverse(self, A: Floats, rank: int) -> float:
-        """Condition of (J H⁻¹ Jᵀ)⁻¹ on its range: that of `A`, scaled at full rank, else as it stands, times that of H."""
+        """Condition of A = J H⁻¹ Jᵀ on its range (scaled at full rank, else as it stands) times that of H."""
         if not rank:
             return 1.0
         full = rank == len(A)

@@ -1,0 +1,55 @@
+"""The kernels give the same results interpreted, and with every access to memory checked."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+PROGRAM = """
+import numpy as np, ospace, trees
+robot = trees.tree(5, 16)
+state = trees.state(robot, 5)
+points = [robot.point("base"), robot.point("link_15"), robot.point("link_7", "angular")]
+forward = ospace.operational_space(state, points)
+inverted = ospace.operational_space(state, points[1], "inverted")
+floating = ospace.free_floating(state, points)
+joint_space = ospace.joint_space_dynamics(state)
+generalized = ospace.generalized_jacobian(state, points)
+results = [
+    ospace.momentum(state), forward.inertia_inverse, forward.bias_acceleration, forward.response, forward.jacobian,
+    inverted.inertia, inverted.bias_force, floating.bias_acceleration, floating.floating_inertia_inverse,
+    joint_space.coupling_inertia, joint_space.manipulator_inertia, joint_space.base_bias,
+    joint_space.manipulator_bias, generalized.generalized_jacobian, generalized.momentum_velocity,
+]
+np.savez({out!r}, *results)
+"""
+
+
+def results(folder, **environment):
+    out = str(folder / "results.npz")
+    paths = os.pathsep.join([os.path.dirname(os.path.dirname(__file__)), *sys.path])
+    subprocess.run(
+        [sys.executable, "-c", PROGRAM.format(out=out)],
+        check=True,
+        env={**os.environ, "PYTHONPATH": paths, **environment},
+        timeout=300,
+    )
+    with np.load(out) as saved:
+        return [saved[name] for name in saved.files]
+
+
+@pytest.mark.parametrize(
+    "environment",
+    [{"NUMBA_DISABLE_JIT": "1"}, {"NUMBA_BOUNDSCHECK": "1"}],
+    ids=["interpreted", "bounds checked"],
+)
+def test_same_results(tmp_path, environment):
+    cache = {"OSPACE_CACHE_DIR": str(tmp_path / "cache")} if "NUMBA_BOUNDSCHECK" in environment else {}
+    (tmp_path / "plain").mkdir()
+    (tmp_path / "other").mkdir()
+    plain = results(tmp_path / "plain", NUMBA_DISABLE_JIT="0", NUMBA_BOUNDSCHECK="0")
+    other = results(tmp_path / "other", **environment, **cache)
+    for one, two in zip(plain, other, strict=True):
+        np.testing.assert_allclose(one, two, rtol=0, atol=1e-11 * np.abs(two).max())
