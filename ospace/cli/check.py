@@ -66,13 +66,13 @@ def run(given: argparse.Namespace) -> int:
     try:
         robot = SpaceRobot.from_urdf(_find(given.urdf), given.package_dir)
     except UnsoundModelError as error:
-        result = report.Report(None, error.findings)
+        result = report.Report(None, error.findings, seed=given.seed)
     else:
         points = [robot.point(name) for name in given.point or robot.leaf_links]
         with _progress(given.samples) as advance:
             result = report.check(robot, points, samples=given.samples, seed=given.seed, progress=advance)
     if given.json:
-        print(json.dumps(result.as_dict(), indent=2))
+        print(json.dumps(result.as_dict(), indent=2, allow_nan=False))
     else:
         _print(result, given.urdf)
     return EXIT_FINDINGS if result.errors else 0
@@ -124,7 +124,9 @@ def _print(result: Report, urdf: str) -> None:
     if result.model is not None:
         _print_model(console, result.model)
     if result.findings:
-        console.print("\nFindings", style="bold")
+        if result.model is not None:
+            console.print()
+        console.print("Findings", style="bold")
         for finding in result.findings:
             mark = f"[{_COLOURS.get(finding.severity, '')}]{finding.severity:8}[/]"
             console.print(f"  {mark} {finding.code}: {_plain(finding.subject)}: {_plain(finding.message)}")

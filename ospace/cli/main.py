@@ -12,6 +12,8 @@ import ospace
 
 EXIT_FINDINGS, EXIT_USAGE, EXIT_INTERRUPTED = 1, 2, 130
 _VERBS = ("check",)
+# The matrices here are small: threads of the linear algebra would wait for each other longer than they work.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def parser() -> argparse.ArgumentParser:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import asdict, dataclass
 from typing import Literal
 
 import numpy as np
 import pinocchio as pin
 
-Severity = Literal["error", "warning", "info"]
+Severity = Literal["error", "warning"]
 _ROUNDING = 1e-9
 _POINT_LIKE = 1e-12  # radius of gyration squared, m²: below it a tensor is rounding around a point mass
 
@@ -21,7 +22,7 @@ class Finding:
     ----------
     code : str
         Stable name of the kind of finding.
-    severity : "error", "warning" or "info"
+    severity : "error" or "warning"
         With an error the model has no sound dynamics.
     subject : str
         The link or joint.
@@ -106,8 +107,30 @@ def mimic(joint: str, of: str) -> Finding:
         "warning",
         f"joint '{joint}'",
         f"mimics '{of}' in the file and is an independent joint here: the coupling is not enforced",
-        f"read its degree of freedom as free, or make the joint fixed or '{of}' its rigid neighbour",
+        f"keep to positions in which it follows '{of}', or make the joint fixed",
     )
+
+
+def of_parser(errors: list[str]) -> list[Finding]:
+    """Return what the errors of Pinocchio's parser mean, which builds a model all the same."""
+    found: list[Finding] = []
+    reason = ""
+    for error in errors:
+        if dropped := re.search(r"inertial element for Link \[(.*)\]", error):
+            message = f"its <inertial> cannot be read ({reason}), and the link would be taken as massless"
+            remedy = "write every value of <mass>, <origin> and <inertia> as a plain finite number"
+            found.append(Finding("inertial-unreadable", "error", f"link '{dropped[1]}'", message, remedy))
+            reason = ""
+            continue
+        if reason:
+            found.append(_of_parser(reason))
+        reason = error
+    return [*found, _of_parser(reason)] if reason else found
+
+
+def _of_parser(error: str) -> Finding:
+    message = f"Pinocchio's parser says: {error}"
+    return Finding("parser-error", "error", "file", message, "correct the element; its value is not used as written")
 
 
 def link_of(model: pin.Model, j: int) -> str:

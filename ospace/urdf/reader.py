@@ -49,7 +49,8 @@ def read(path: Path) -> Reading:
         for name, joint in joints.items()
         if (tag := joint.find("mimic")) is not None
     ]
-    return Reading(_build(path, etree.tostring(root, encoding="unicode"), _unused_name(joints)), tuple(mimics))
+    model, errors = _build(path, etree.tostring(root, encoding="unicode"), _unused_name(joints))
+    return Reading(model, (*findings.of_parser(errors), *mimics))
 
 
 def _bytes_of(path: Path) -> bytes:
@@ -82,14 +83,18 @@ def _unused_name(joints: dict[str, etree._Element]) -> str:
     return name
 
 
-def _build(path: Path, text: str, root_joint: str) -> pin.Model:
+def _build(path: Path, text: str, root_joint: str) -> tuple[pin.Model, list[str]]:
+    """Return Pinocchio's model, and the errors that its parser wrote but did not raise."""
+    model, reason = None, ""
     with _captured_stderr() as said:
         try:
-            return pin.buildModelFromXML(text, pin.JointModelFreeFlyer(), root_joint)
+            model = pin.buildModelFromXML(text, pin.JointModelFreeFlyer(), root_joint)
         except (ValueError, RuntimeError) as error:
             reason = " ".join(str(error).split())
-    details = "; ".join(" ".join(line.split()) for line in said if line.strip().startswith("Error"))
-    raise UrdfError(path, f"Pinocchio rejects it: {details or reason}")
+    errors = [" ".join(line.split()).removeprefix("Error: ") for line in said if line.strip().startswith("Error")]
+    if model is None:
+        raise UrdfError(path, f"Pinocchio rejects it: {'; '.join(errors) or reason}")
+    return model, errors
 
 
 @contextmanager

@@ -56,7 +56,7 @@ class IndependentReader:
         pin.framesForwardKinematics(robot.model, data, robot.configuration(angles))
         base = data.oMi[1].inverse()
         with _quiet():
-            self._urdf.update_cfg({name: angles[name] for name in self._urdf.actuated_joint_names})
+            self._urdf.update_cfg({name: angles[name] for name in self._urdf.actuated_joint_names if name in angles})
         apart, size = 0.0, 1.0
         for link in self.links:
             ours = (base * data.oMf[robot.model.getFrameId(link, pin.FrameType.BODY)]).homogeneous

@@ -12,9 +12,6 @@ from ospace.dynamics.joint_space import inverse_dynamics, momentum
 from ospace.kernels.tables import Floats
 from ospace.validation.sample import Sample
 
-SMALL = 1e-3
-"""Share of its natural size below which a quantity counts as that large."""
-
 
 class Comparison(NamedTuple):
     """Both sides of one quantity in one state, the scales of rows and columns, and what conditions it."""
@@ -24,8 +21,8 @@ class Comparison(NamedTuple):
     rows: Floats | float = 1.0
     columns: Floats | float = 1.0
     condition: float = 1.0
-    floor: float = 1e-3
-    """Scaled size below which the quantity counts as that large."""
+    natural: float = 1.0
+    """Scaled size of the terms that the quantity is made of; it counts as no smaller."""
 
     @property
     def error(self) -> float:
@@ -35,7 +32,7 @@ class Comparison(NamedTuple):
         rows = np.asarray(self.rows)[..., None] if self.reference.ndim == 2 else np.asarray(self.rows)
         scale = rows * np.asarray(self.columns)
         size = np.abs(scale * self.reference).max()
-        return float(np.abs(scale * (self.value - self.reference)).max() / max(size, self.floor))
+        return float(np.abs(scale * (self.value - self.reference)).max() / max(size, self.natural))
 
 
 Compare = Callable[[Sample], Comparison]
@@ -71,13 +68,13 @@ def link_velocities(s: Sample) -> Comparison:
     v = tree.v[robot.link_of_joint[1:]]
     linear = v[:, :3] + np.cross(v[:, 3:], at) + s.state.base_twist[:3]
     value = np.hstack([linear, v[:, 3:]])
-    return Comparison(value, s.dense.link_velocities, floor=SMALL * float(np.abs(s.dense.velocity).max()))
+    return Comparison(value, s.dense.link_velocities, natural=float(np.abs(s.dense.velocity).max()))
 
 
 @quantity("momentum M_0", "1, 20, 25", "sum over links", "pin.computeCentroidalMomentum")
 def momentum_(s: Sample) -> Comparison:
     natural = float(np.linalg.norm(s.velocity_scale * s.dense.velocity))
-    return Comparison(momentum(s.state), s.dense.M_0, s.force_scale[:6], floor=SMALL * natural)
+    return Comparison(momentum(s.state), s.dense.M_0, s.force_scale[:6], natural=natural)
 
 
 @quantity("base inertia H_b", "21", "composite bodies", "pin.crba")
@@ -88,7 +85,8 @@ def base_inertia(s: Sample) -> Comparison:
 
 @quantity("coupling inertia H_bm", "21", "composite bodies", "pin.crba")
 def coupling_inertia(s: Sample) -> Comparison:
-    return Comparison(s.joint_space.coupling_inertia, s.dense.H[:6, 6:], s.force_scale[:6], s.force_scale[6:])
+    rows, columns = s.force_scale[:6], s.force_scale[6:]
+    return Comparison(s.joint_space.coupling_inertia, s.dense.H[:6, 6:], rows, columns, s.lever**0.5)
 
 
 @quantity("manipulator inertia H_m", "21", "composite bodies", "pin.crba")
@@ -99,39 +97,41 @@ def manipulator_inertia(s: Sample) -> Comparison:
 
 @quantity("base bias c_b", "17-19", "composite forces", "pin.rnea")
 def base_bias(s: Sample) -> Comparison:
-    return Comparison(s.joint_space.base_bias, s.dense.c[:6], s.force_scale[:6], floor=SMALL * s.speed)
+    return Comparison(s.joint_space.base_bias, s.dense.c[:6], s.force_scale[:6], natural=s.speed)
 
 
 @quantity("manipulator bias c_m", "17-19", "composite forces", "pin.rnea")
 def manipulator_bias(s: Sample) -> Comparison:
     scale = s.force_scale[6:]
-    return Comparison(s.joint_space.manipulator_bias, s.dense.c[6:], scale, 1.0, s.lever, SMALL * s.speed)
+    return Comparison(s.joint_space.manipulator_bias, s.dense.c[6:], scale, 1.0, s.lever, s.speed)
 
 
 @quantity("base generalized Jacobian J_b*", "3, 27, 28", "composite bodies", "pin.crba")
 def base_generalized_jacobian(s: Sample) -> Comparison:
     value = s.jacobians.base_generalized_jacobian
-    return Comparison(value, s.dense.J_b_star, s.velocity_scale[:6], s.force_scale[6:], s.condition_H_b)
+    condition = s.condition_H_b * s.lever**0.5
+    return Comparison(value, s.dense.J_b_star, s.velocity_scale[:6], s.force_scale[6:], condition)
 
 
 @quantity("generalized Jacobian J_m*", "5, 29-31", "composite bodies", "crba, Jacobians")
 def generalized_jacobian_(s: Sample) -> Comparison:
     value = s.jacobians.generalized_jacobian
-    return Comparison(value, s.dense.J_m_star, s.point_scale, s.force_scale[6:], s.condition_H_b)
+    condition = s.condition_H_b * s.lever**0.5
+    return Comparison(value, s.dense.J_m_star, s.point_scale, s.force_scale[6:], condition)
 
 
 @quantity("base velocity", "2, 26", "J_b* and momentum", "base twist")
 def base_velocity(s: Sample) -> Comparison:
     value = s.jacobians.base_generalized_jacobian @ s.state.v[6:] + s.jacobians.base_momentum_velocity
     natural = float(np.linalg.norm(s.velocity_scale * s.dense.velocity))
-    return Comparison(value, s.dense.velocity[:6], s.velocity_scale[:6], 1.0, s.condition_H_b, SMALL * natural)
+    return Comparison(value, s.dense.velocity[:6], s.velocity_scale[:6], 1.0, s.condition_H_b, natural)
 
 
 @quantity("point velocity", "4", "J_m* and momentum", "Jacobians")
 def point_velocity(s: Sample) -> Comparison:
     value = s.jacobians.generalized_jacobian @ s.state.v[6:] + s.jacobians.momentum_velocity
     natural = float(np.linalg.norm(s.velocity_scale * s.dense.velocity))
-    return Comparison(value, s.dense.J_e @ s.dense.velocity, s.point_scale, 1.0, s.condition_H_b, SMALL * natural)
+    return Comparison(value, s.dense.J_e @ s.dense.velocity, s.point_scale, 1.0, s.condition_H_b, natural)
 
 
 @quantity("generalized inertia H_m*", "7", "composite bodies", "pin.crba")
@@ -152,12 +152,12 @@ def generalized_inertia_inverse(s: Sample) -> Comparison:
 def generalized_bias(s: Sample) -> Comparison:
     value = s.generalized.generalized_bias
     condition = s.condition_H_b + s.lever
-    return Comparison(value, s.dense.c_m_star, s.force_scale[6:], 1.0, condition, SMALL * s.speed)
+    return Comparison(value, s.dense.c_m_star, s.force_scale[6:], 1.0, condition, s.speed)
 
 
 @quantity("point Jacobian J_e", "16, 29", "outward recursion", "Jacobians")
 def jacobian(s: Sample) -> Comparison:
-    return Comparison(s.operational.jacobian, s.dense.J_e, s.point_scale, s.force_scale)
+    return Comparison(s.operational.jacobian, s.dense.J_e, s.point_scale, s.force_scale, s.lever**0.5)
 
 
 @quantity("inverse inertia, all blocks", "37-41", "forward chain", "crba, Jacobians (9)")
@@ -182,7 +182,7 @@ def inertia(s: Sample) -> Comparison:
 @quantity("bias acceleration", "42-44", "forward chain", "crba, rnea, drift")
 def bias_acceleration(s: Sample) -> Comparison:
     value = s.operational.bias_acceleration
-    return Comparison(value, s.dense.mu, s.point_scale, 1.0, s.condition_H, SMALL * s.speed)
+    return Comparison(value, s.dense.mu, s.point_scale, 1.0, s.condition_H, s.speed)
 
 
 @quantity("bias force", "45", "forward chain", "dense (10)")
@@ -190,7 +190,7 @@ def bias_force(s: Sample) -> Comparison:
     Gamma = s.Gamma_e.inverse
     J_e_plus = s.dense.response @ Gamma
     reference = J_e_plus.T @ s.dense.c - Gamma @ s.dense.drift
-    return Comparison(s.operational.bias_force, reference, 1.0 / s.point_scale, 1.0, s.condition_Gamma, SMALL * s.speed)
+    return Comparison(s.operational.bias_force, reference, 1.0 / s.point_scale, 1.0, s.condition_Gamma, s.speed)
 
 
 @quantity("dynamically consistent inverse J_e+", "11", "response sweep", "pin.crba")
@@ -205,7 +205,7 @@ def null_space_projector(s: Sample) -> Comparison:
     Gamma = s.Gamma_e.inverse
     reference = np.eye(s.state.robot.nv) - s.dense.response @ Gamma @ s.dense.J_e
     value = s.operational.null_space_projector
-    return Comparison(value, reference, s.velocity_scale, s.force_scale, s.condition_Gamma, 1.0)
+    return Comparison(value, reference, s.velocity_scale, s.force_scale, s.condition_Gamma)
 
 
 def _worst_point(s: Sample, compare: Compare) -> Comparison:
@@ -227,7 +227,7 @@ def inverted_bias_force(s: Sample) -> Comparison:
     def at(one: Sample) -> Comparison:
         reference = one.Gamma_e.inverse @ one.dense.mu
         value, scale = one.inverted.bias_force, 1.0 / one.point_scale
-        return Comparison(value, reference, scale, 1.0, one.condition_Gamma, SMALL * s.speed)
+        return Comparison(value, reference, scale, 1.0, one.condition_Gamma, s.speed)
 
     return _worst_point(s, at)
 
@@ -254,7 +254,7 @@ def floating_inertia(s: Sample) -> Comparison:
 @quantity("floating bias acceleration", "12", "composite forces", "crba, rnea, drift")
 def floating_bias(s: Sample) -> Comparison:
     value = s.floating.bias_acceleration
-    return Comparison(value, s.dense.mu, s.point_scale, 1.0, s.condition_H, SMALL * s.speed)
+    return Comparison(value, s.dense.mu, s.point_scale, 1.0, s.condition_H, s.speed)
 
 
 @quantity("torque map J_m* H_m*^-1", "12", "response sweep", "crba, Jacobians")
@@ -280,7 +280,7 @@ def inertias_add_up(s: Sample) -> Comparison:
 def biases_agree(s: Sample) -> Comparison:
     value = s.operational.inertia @ s.floating.bias_acceleration
     reference = s.operational.bias_force
-    return Comparison(value, reference, 1.0 / s.point_scale, 1.0, s.condition_Gamma, SMALL * s.speed)
+    return Comparison(value, reference, 1.0 / s.point_scale, 1.0, s.condition_Gamma, s.speed)
 
 
 @quantity("motion under forces, free-flying", "8", "forward chain", "pin.aba")
@@ -288,7 +288,7 @@ def motion_under_load(s: Sample) -> Comparison:
     now = s.operational
     value = now.response.T @ s.load + now.inertia_inverse @ s.F_e - now.bias_acceleration
     reference, _ = s.dense.accelerations_under(s.load, s.F_e)
-    return Comparison(value, reference, s.point_scale, 1.0, s.condition_H, SMALL * s.speed)
+    return Comparison(value, reference, s.point_scale, 1.0, s.condition_H, s.speed)
 
 
 @quantity("motion under forces, free-floating", "12", "response, composite", "pin.aba")
@@ -297,7 +297,7 @@ def floating_motion_under_load(s: Sample) -> Comparison:
     Gamma_inv = s.floating.floating_inertia_inverse + s.floating.base_inertia_inverse
     value = s.floating.torque_map @ load[6:] + Gamma_inv @ s.F_e - s.floating.bias_acceleration
     reference, _ = s.dense.accelerations_under(load, s.F_e)
-    return Comparison(value, reference, s.point_scale, 1.0, s.condition_H, SMALL * s.speed)
+    return Comparison(value, reference, s.point_scale, 1.0, s.condition_H, s.speed)
 
 
 @quantity("rate of momentum", "6, 20", "composite forces", "applied wrenches")
@@ -311,4 +311,4 @@ def momentum_rate(s: Sample) -> Comparison:
         arm = s.state.placement_about_base(point).translation
         applied += np.r_[wrench[:3], wrench[3:] + np.cross(arm, wrench[:3])]
     natural = float(np.linalg.norm(s.velocity_scale * acceleration))
-    return Comparison(value, applied - moving, s.force_scale[:6], 1.0, s.condition_H, SMALL * natural)
+    return Comparison(value, applied - moving, s.force_scale[:6], 1.0, s.condition_H, natural)

@@ -73,11 +73,17 @@ class Report:
             "pinocchio": pin.__version__,
             "model": None if self.model is None else asdict(self.model),
             "findings": [finding.as_dict() for finding in self.findings],
-            "agreement": [{**asdict(row), "verdict": row.verdict} for row in self.agreement],
+            "agreement": [_row(row) for row in self.agreement],
             "samples": self.samples,
             "seed": self.seed,
             "verdict": self.verdict,
         }
+
+
+def _row(row: Agreement) -> dict[str, Any]:
+    """One row as JSON can hold it: no number stands for infinity there."""
+    told = {**asdict(row), "verdict": row.verdict}
+    return told | {key: None for key in ("error", "bound") if not np.isfinite(told[key])}
 
 
 def model_facts(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> ModelFacts:

@@ -29,6 +29,7 @@ class Sample:
 
     def __init__(self, state: State, points: Sequence[OperationalPoint], rng: np.random.Generator) -> None:
         self.state, self.points = state, tuple(points)
+        self.operational = operational_space(state, self.points)  # first: it refuses a joint without inertia
         self.dense = Dense(state, self.points)
         self.load = rng.normal(size=state.robot.nv) * self.velocity_scale
         self.F_e = rng.normal(size=len(self.dense.J_e)) * self.point_scale
@@ -44,10 +45,6 @@ class Sample:
     @cached_property
     def jacobians(self) -> GeneralizedJacobian:
         return generalized_jacobian(self.state, self.points)
-
-    @cached_property
-    def operational(self) -> OperationalSpace:
-        return operational_space(self.state, self.points)
 
     @cached_property
     def floating(self) -> FreeFloating:

@@ -1,0 +1,437 @@
+"""Files that are no URDF, and URDFs that are no robot: each is refused by name and reason, silently and soon."""
+
+from __future__ import annotations
+
+import os
+import signal
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import ospace
+from ospace.urdf import reader
+
+INERTIAL = (
+    '<inertial><origin xyz="0 0 0.1"/><mass value="2"/>'
+    '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+)
+LIMIT = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
+SECONDS = 20
+repeatable = settings(derandomize=True, deadline=None, max_examples=50)
+
+
+def link(name, inertial=INERTIAL):
+    return f'<link name="{name}">{inertial}</link>'
+
+
+def joint(name="hinge", kind="revolute", parent="base", child="arm", more='<axis xyz="0 1 0"/>' + LIMIT):
+    return f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>{more}</joint>'
+
+
+def robot(*parts, name="made"):
+    return f'<robot name="{name}">{"".join(parts)}</robot>'
+
+
+ONE_ARM = robot(link("base"), link("arm"), joint())
+EXPANDING = "<!DOCTYPE robot [<!ENTITY a0 'aaaaaaaaaa'>" + "".join(
+    f"<!ENTITY a{k + 1} '{f'&a{k};' * 10}'>" for k in range(12)
+)
+
+
+@pytest.fixture(autouse=True)
+def no_hang():
+    """Fail a test that waits for a file, a network or an expansion for ever."""
+
+    def give_up(number, frame):
+        raise TimeoutError(f"no answer in {SECONDS} s")
+
+    before = signal.signal(signal.SIGALRM, give_up)
+    signal.alarm(SECONDS)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
+@pytest.fixture
+def file(tmp_path):
+    return tmp_path / "some robot.urdf"
+
+
+def refuse(path, capfd, reason):
+    """The file is refused with its name and `reason`, and nothing else is said."""
+    with pytest.raises(ospace.UrdfError, match=reason) as caught:
+        ospace.SpaceRobot.from_urdf(path)
+    assert isinstance(caught.value, ospace.OspaceError)
+    assert str(caught.value.path) == str(path)
+    assert str(caught.value).startswith(str(path))
+    assert capfd.readouterr() == ("", "")
+
+
+# -- no file to read ---------------------------------------------------------------------------------------------
+
+
+def test_a_missing_file(file, capfd):
+    refuse(file, capfd, "no such file")
+
+
+def test_a_missing_folder(file, capfd):
+    refuse(file / "robot.urdf", capfd, "no such file|cannot be read")
+
+
+def test_a_folder(tmp_path, capfd):
+    refuse(tmp_path, capfd, "not a regular file")
+
+
+def test_no_path_at_all(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ospace.UrdfError):
+        ospace.SpaceRobot.from_urdf("")
+
+
+def test_a_fifo_that_nobody_writes_to(file, capfd):
+    os.mkfifo(file)
+    refuse(file, capfd, "not a regular file")
+
+
+@pytest.mark.parametrize("device", ["/dev/null", "/dev/zero", "/dev/tty"])
+def test_a_device(device, capfd):
+    refuse(Path(device), capfd, "not a regular file")
+
+
+def test_a_link_to_nothing(file, capfd):
+    file.symlink_to("nowhere")
+    refuse(file, capfd, "no such file")
+
+
+def test_a_link_to_itself(file, capfd):
+    file.symlink_to(file.name)
+    refuse(file, capfd, "cannot be read")
+
+
+def test_a_file_that_may_not_be_read(file, capfd):
+    if os.geteuid() == 0:
+        pytest.skip("root may read every file")
+    file.write_text(ONE_ARM)
+    file.chmod(0)
+    refuse(file, capfd, "cannot be read")
+
+
+def test_a_path_with_a_zero_byte(tmp_path, capfd):
+    refuse(tmp_path / "a\0b.urdf", capfd, "cannot be read|no such file")
+
+
+def test_a_name_that_is_too_long(tmp_path, capfd):
+    refuse(tmp_path / ("x" * 300), capfd, "cannot be read")
+
+
+def test_a_file_that_is_too_large(file, capfd):
+    with file.open("w") as sparse:
+        sparse.truncate(reader.MAX_BYTES + 1)
+    refuse(file, capfd, rf"has {reader.MAX_BYTES + 1} bytes; at most {reader.MAX_BYTES}")
+
+
+def test_a_large_file_that_is_not_too_large(file):
+    file.write_text(ONE_ARM.replace("</robot>", "<gazebo/>" * 1_000_000 + "</robot>"))
+    assert 9_000_000 < file.stat().st_size < reader.MAX_BYTES
+    assert ospace.SpaceRobot.from_urdf(file).n_joints == 1
+
+
+# -- no XML ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b" \n\t\n",
+        np.random.default_rng(0).bytes(4096),
+        b"\0" * 64,
+        b"\x7fELF\x02\x01\x01" + b"\0" * 57,
+        b"PK\x03\x04 a zip archive",
+        b"solid ascii\n facet normal 0 0 1\n",
+        b"hello",
+        b"robot: {name: made}",
+        ONE_ARM[: len(ONE_ARM) // 2].encode(),
+        ONE_ARM[:-1].encode(),
+        (ONE_ARM + ONE_ARM).encode(),
+        (ONE_ARM + "x").encode(),
+        ONE_ARM.replace('"2"', "2").encode(),
+        b"<" * 1000,
+        b"<robot name='r'>" + b"<a>" * 100_000,
+        b"<robot name='r'>" + b"<a>" * 100_000 + b"</a>" * 100_000 + b"</robot>",
+        robot(link("base"), name="caf\xe9").encode("latin-1"),
+        b"\xff\xfe" + ONE_ARM.encode(),
+    ],
+    ids=lambda content: repr(content[:12]),
+)
+def test_what_is_no_xml(file, capfd, content):
+    file.write_bytes(content)
+    refuse(file, capfd, "no well-formed XML")
+
+
+@pytest.mark.parametrize("use", ['<link name="&a12;"/>', "<link name='base'>&a12;</link>", "&a12;"])
+def test_a_billion_laughs_stay_one(file, capfd, use):
+    file.write_text(EXPANDING + "]>" + robot(link("base"), use))
+    signal.alarm(5)
+    refuse(file, capfd, r"no well-formed XML.*[Ee]ntity")
+
+
+@pytest.mark.parametrize("target", ["file:///etc/hostname", "secret.txt", "http://192.0.2.1/x"])
+def test_external_entities_are_not_fetched(file, target):
+    (file.parent / "secret.txt").write_text('<link name="secret"/>')
+    doctype = f'<!DOCTYPE robot [<!ENTITY out SYSTEM "{target}">]>'
+    file.write_text(doctype + robot(link("base"), "&out;"))
+    try:
+        made = ospace.SpaceRobot.from_urdf(file)
+    except ospace.UrdfError as error:
+        assert "secret" not in str(error)
+    else:
+        assert made.leaf_links == ["base"]
+
+
+def test_an_external_doctype_is_not_fetched(file):
+    os.mkfifo(file.parent / "robot.dtd")
+    file.write_text('<!DOCTYPE robot SYSTEM "robot.dtd">' + ONE_ARM)
+    assert ospace.SpaceRobot.from_urdf(file).n_joints == 1
+
+
+# -- no URDF -----------------------------------------------------------------------------------------------------
+
+XACRO = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="made">{}</robot>'
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        ("<!DOCTYPE html><html><head/><body><p>404 Not Found</p></body></html>", "<html>, not <robot>"),
+        ('<sdf version="1.6"><model name="made"><link name="base"/></model></sdf>', "<sdf>, not <robot>"),
+        ('<mujoco model="made"><worldbody/></mujoco>', "<mujoco>, not <robot>"),
+        (ONE_ARM.replace("robot", "Robot"), "<Robot>, not <robot>"),
+        (f"<robot>{link('base')}</robot>", "has no name"),
+        (robot(link("base"), name=""), "has no name"),
+        ('<robot name="made"/>', "no <link>"),
+        (robot('<joint name="hinge" type="fixed"/>'), "no <link>"),
+        (XACRO.format('<xacro:include filename="arm.xacro"/><xacro:arm prefix="left"/>'), "xacro"),
+        (XACRO.format(link("base") + '<xacro:arm prefix="left"/>'), "xacro"),
+        (XACRO.format('<xacro:property name="m" value="2"/>' + link("base", INERTIAL.replace('"2"', '"${m}"'))), "xacro"),
+        (XACRO.format('<xacro:macro name="arm" params="p"><link name="${p}_arm"/></xacro:macro>' + link("base")), "xacro"),
+    ],
+)
+def test_what_is_no_urdf(file, capfd, content, reason):
+    file.write_text(content)
+    refuse(file, capfd, reason)
+
+
+def test_what_xacro_leaves_behind_is_no_xacro(file):
+    """A namespace alone, as in files that xacro has expanded, is no reason."""
+    file.write_text(XACRO.format(link("base")))
+    assert ospace.SpaceRobot.from_urdf(file).n_joints == 0
+
+
+# -- no robot: Pinocchio's own words, or ours where it says nothing ----------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("parts", "reason"),
+    [
+        ((link("base"), link("base")), "'base' is not unique"),
+        ((link("base"), link("arm"), link("hand"), joint(), joint(child="hand")), "'hinge' is not unique"),
+        ((link("base"), link("arm")), r"(?i)two root links.*arm.*base"),
+        ((link("base"), link("arm"), joint(), joint("back", parent="arm", child="base")), "(?i)root link"),
+        ((link("base"), joint()), "arm.*not found"),
+        ((link("base"), link("arm"), joint(parent="trunk")), "trunk"),
+        ((link("base"), link("arm"), joint(more='<axis xyz="0 1 0"/>')), "hinge.*limits"),
+        ((link("base"), link("arm"), joint(kind="ball")), "hinge.*ball"),
+        ((link("base"), link("arm"), joint().replace('type="revolute"', "")), "hinge"),
+        ((link("base"), link("arm"), joint().replace('name="hinge"', "")), "(?i)unnamed joint"),
+        ((link("base"), link("arm"), joint(more='<axis xyz="0 one 0"/>' + LIMIT)), "hinge"),
+        ((link("base"), link("arm"), joint(more='<axis xyz="nan 0 1"/>' + LIMIT)), "hinge"),
+        ((link("base"), link("arm"), joint(more='<origin xyz="0 inf 0"/><axis xyz="0 1 0"/>' + LIMIT)), "hinge"),
+        ((link("base"), link("arm"), joint(more='<origin xyz="0 0"/><axis xyz="0 1 0"/>' + LIMIT)), "hinge"),
+        ((link("base"), link("arm"), joint(more='<axis xyz="0 1 0"/>' + LIMIT + "<mimic/>")), "hinge"),
+    ],
+)
+def test_what_pinocchio_rejects(file, capfd, parts, reason):
+    file.write_text(robot(*parts))
+    refuse(file, capfd, reason)
+
+
+@pytest.mark.parametrize(
+    ("parts", "subject"),
+    [
+        ((link("base"), link("arm"), joint(parent="arm")), "arm"),
+        ((link("base"), link("arm"), link("hand"), joint(parent="hand"), joint("k", parent="arm", child="hand")), "arm"),
+        ((link("base"), link("arm"), joint(), joint("second")), "arm"),
+        ((link("base"), link("arm"), link("hand"), joint(), joint("k", child="hand"), joint("l", "fixed", "hand", more="")), "arm"),
+    ],
+    ids=["its own parent", "two links that hang from each other", "two joints to one link", "closed loop"],
+)
+def test_links_that_are_no_tree_with_the_base(file, capfd, parts, subject):
+    """Pinocchio leaves such links out, or out of one of their places, and says nothing: mass would be lost."""
+    file.write_text(robot(*parts))
+    refuse(file, capfd, subject)
+
+
+@pytest.mark.parametrize(
+    "broken",
+    [
+        INERTIAL.replace('"2"', '"2 kg"'),
+        INERTIAL.replace('"2"', '"2,5"'),
+        INERTIAL.replace('"2"', '"nan"'),
+        INERTIAL.replace('"2"', '"inf"'),
+        INERTIAL.replace('"2"', '""'),
+        INERTIAL.replace('"2"', '"${mass}"'),
+        INERTIAL.replace('<mass value="2"/>', ""),
+        INERTIAL.replace('<mass value="2"/>', "<mass>2</mass>"),
+        INERTIAL.replace('ixx="1"', 'ixx="nan"'),
+        INERTIAL.replace('ixx="1"', 'ixx="one"'),
+        INERTIAL.replace('izz="1"', ""),
+        INERTIAL.replace('xyz="0 0 0.1"', 'xyz="0 0"'),
+        INERTIAL.replace('xyz="0 0 0.1"', 'xyz="0 0 nan"'),
+    ],
+)
+def test_an_inertial_that_cannot_be_read_is_no_inertial_left_out(file, capfd, broken):
+    """Pinocchio drops it with a word on standard error: a link without mass, or without inertia, would remain."""
+    file.write_text(robot(link("base"), link("arm"), link("hand", broken), joint(), joint("k", "fixed", "arm", "hand", "")))
+    refuse(file, capfd, "'?hand'?")
+
+
+@pytest.mark.parametrize("kind", ["revolute", "prismatic", "continuous"])
+def test_an_axis_of_no_length_is_no_axis(file, capfd, kind):
+    file.write_text(robot(link("base"), link("arm"), joint(kind=kind, more='<axis xyz="0 0 0"/>' + LIMIT)))
+    refuse(file, capfd, "hinge.*axis|axis.*hinge")
+
+
+# -- what is read all the same -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["a b.urdf", "spät.urdf", "机器人.urdf", "100% [bold] 'n \" so.urdf", "no_ending", ".urdf"])
+def test_names_of_files_do_not_matter(tmp_path, capfd, name):
+    file = tmp_path / "a folder" / name
+    file.parent.mkdir()
+    file.write_text(ONE_ARM)
+    assert ospace.SpaceRobot.from_urdf(file).source == file
+    assert ospace.SpaceRobot.from_urdf(str(file)).nv == 7
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_name_that_is_no_unicode(tmp_path):
+    file = os.path.join(os.fsencode(tmp_path), b"\xff\xfe.urdf")
+    with open(file, "w") as out:
+        out.write(ONE_ARM)
+    assert ospace.SpaceRobot.from_urdf(os.fsdecode(file)).nv == 7
+
+
+DECLARED = '<?xml version="1.0" encoding="{}"?>' + robot(link("base"), name="café")
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
+def test_declared_encodings(file, encoding):
+    name = {"utf-8-sig": "utf-8", "latin-1": "ISO-8859-1"}.get(encoding, encoding)
+    file.write_bytes(DECLARED.format(name).encode(encoding))
+    assert ospace.SpaceRobot.from_urdf(file).name == "café"
+
+
+@pytest.mark.parametrize("before", ["\ufeff", "\n", "<!-- a comment: ü -->", "<?xml-model href='x'?>", "<!DOCTYPE robot>"])
+@pytest.mark.parametrize("ends", ["\n", "\r\n"])
+def test_what_may_stand_around_a_robot(file, before, ends):
+    text = before + "\n" + ONE_ARM.replace("><", ">\n<!-- <link/> --><") + "\n<!-- end -->\n"
+    file.write_bytes(text.replace("\n", ends).encode())
+    assert ospace.SpaceRobot.from_urdf(file).n_joints == 1
+
+
+def test_elements_that_are_not_urdf_do_not_matter(file):
+    file.write_text(ONE_ARM.replace("</robot>", "<gazebo><plugin name='p'/></gazebo><transmission name='t'/></robot>"))
+    assert ospace.SpaceRobot.from_urdf(file).total_mass == 4.0
+
+
+def test_meshes_need_not_exist(file, capfd):
+    mesh = '<visual><geometry><mesh filename="package://nowhere/arm.stl"/></geometry></visual>'
+    file.write_text(ONE_ARM.replace("</link>", mesh + "</link>"))
+    assert ospace.SpaceRobot.from_urdf(file, package_dirs=["/nowhere"]).package_dirs == (Path("/nowhere"),)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_standard_error_is_given_back(file, capfd):
+    file.write_text(robot(link("base"), link("base")))
+    for _ in range(3):
+        with pytest.raises(ospace.UrdfError):
+            ospace.SpaceRobot.from_urdf(file)
+    os.write(2, b"still there")
+    assert capfd.readouterr().err == "still there"
+
+
+def test_no_descriptor_leaks(file):
+    file.write_text(ONE_ARM)
+    bad = file.with_name("bad.urdf")
+    bad.write_text(robot(link("base"), link("base")))
+    ospace.SpaceRobot.from_urdf(file)
+    before = len(os.listdir("/proc/self/fd"))
+    for _ in range(5):
+        ospace.SpaceRobot.from_urdf(file)
+        with pytest.raises(ospace.UrdfError):
+            ospace.SpaceRobot.from_urdf(bad)
+    assert len(os.listdir("/proc/self/fd")) == before
+
+
+# -- anything at all ---------------------------------------------------------------------------------------------
+
+
+def answer(folder, content):
+    """Any content gives a robot that has dynamics, or an OspaceError that names the file or the robot."""
+    file = folder / "any.urdf"
+    file.write_bytes(content)
+    try:
+        made = ospace.SpaceRobot.from_urdf(file)
+    except ospace.UrdfError as error:
+        assert str(file) in str(error)
+        return
+    except ospace.UnsoundModelError as error:
+        assert error.findings
+        return
+    H = ospace.joint_space_dynamics(made.state(made.configuration()))
+    assert np.isfinite(H.base_inertia).all()
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("any")
+
+
+@repeatable
+@given(content=st.binary(max_size=200))
+def test_any_bytes(folder, content):
+    answer(folder, content)
+
+
+@repeatable
+@given(content=st.text(max_size=100))
+def test_any_text_in_a_link(folder, content):
+    answer(folder, robot(link("base"), content).encode("utf-8", "replace"))
+
+
+TOKENS = ["0", "-1", "1e400", "nan", "", '"', "<", ">", "/>", "<link/>", "&amp;", "&x;", "base", "arm", "fixed", "<joint/>"]
+
+
+@repeatable
+@given(data=st.data())
+def test_any_cut_and_paste(folder, data):
+    """A sound file, a piece taken out, and something put in its place."""
+    start = data.draw(st.integers(0, len(ONE_ARM)))
+    stop = data.draw(st.integers(start, min(len(ONE_ARM), start + 40)))
+    answer(folder, (ONE_ARM[:start] + data.draw(st.sampled_from(TOKENS)) + ONE_ARM[stop:]).encode())
+
+
+names = st.sampled_from(["base", "arm", "hand", "hinge"])
+kinds = st.sampled_from(["revolute", "continuous", "prismatic", "fixed", "floating", "planar"])
+any_joint = st.builds(joint, names, kinds, names, names)
+any_link = st.builds(link, names, st.sampled_from([INERTIAL, "", "<inertial/>"]))
+
+
+@repeatable
+@given(links=st.lists(any_link, max_size=4), joints=st.lists(any_joint, max_size=4))
+def test_any_graph_of_links_and_joints(folder, links, joints):
+    answer(folder, robot(*links, *joints).encode())
