@@ -22,7 +22,7 @@ import numpy as np
 from ospace.validation.quantities import TABLE
 from ospace.validation.sample import Sample
 
-FACTOR = 4.0
+FACTOR = 16.0
 UNDECIDED = 1e-4
 
 Verdict = Literal["agrees", "differs", "undecided"]
