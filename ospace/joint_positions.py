@@ -33,7 +33,10 @@ def to_q(joint: pin.JointModel, name: str, value: Position) -> Floats:
         wanted = {"scalar": 1, "angle": 1, "planar": 3}.get(kind, joint.nq)
         if isinstance(value, pin.SE3):
             raise OspaceError(f"joint '{name}' takes {wanted} number(s), not a pose")
-        numbers = np.atleast_1d(np.asarray(value, dtype=float))
+        try:
+            numbers = np.atleast_1d(np.asarray(value, dtype=float))
+        except (TypeError, ValueError):
+            numbers = np.empty(0)
         if numbers.shape != (wanted,):
             raise OspaceError(f"joint '{name}' takes {wanted} number(s), got {value!r}")
     if not np.isfinite(numbers).all():

@@ -96,7 +96,10 @@ class PointSet:
 
 def point_set(robot: SpaceRobot, points: OperationalPoint | Sequence[OperationalPoint]) -> PointSet:
     """Gather `points`; raises `OspaceError` if there is none, or one is another robot's or no point at all."""
-    given = (points,) if isinstance(points, OperationalPoint) else tuple(points)
+    try:
+        given = (points,) if isinstance(points, OperationalPoint) else tuple(points)
+    except TypeError:
+        raise OspaceError(f"{points!r} is no operational point: make one with robot.point('frame name')") from None
     if not given:
         raise OspaceError("no operational point given: make one with robot.point('frame name')")
     for point in given:

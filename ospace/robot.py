@@ -57,7 +57,7 @@ class SpaceRobot:
         self.name: str = model.name
         self.source = source
         self.package_dirs = tuple(Path(folder) for folder in package_dirs)
-        self.findings = (*known, *findings.of_model(model))
+        self.findings = findings.without_repetition([*known, *findings.of_model(model)])
         if any(finding.severity == "error" for finding in self.findings):
             raise UnsoundModelError(self.name, self.findings)
         self.links = _links(model)
@@ -133,7 +133,7 @@ class SpaceRobot:
     @cached_property
     def frame_names(self) -> list[str]:
         """Names of all frames that can carry an operational point, links first."""
-        carried = [frame for frame in self.model.frames if frame.parentJoint > 0]
+        carried = list(self.model.frames)[2:]  # behind those of the universe and of the free-flyer
         carried.sort(key=lambda frame: frame.type != pin.FrameType.BODY)
         return list(dict.fromkeys(frame.name for frame in carried))
 
@@ -187,7 +187,7 @@ class SpaceRobot:
         OspaceError
             The name is unknown, or belongs to several frames in different places; `axes` or `offset` make no sense.
         """
-        named = [one for one in self.model.frames if one.name == frame and one.parentJoint > 0]
+        named = [one for one in list(self.model.frames)[2:] if one.name == frame]  # behind universe and free-flyer
         if not named:
             raise OspaceError(f"robot '{self.name}' has no frame '{frame}'{closest(str(frame), self.frame_names)}")
         first = named[0]
@@ -243,6 +243,10 @@ class SpaceRobot:
         OspaceError
             A joint is unknown, or its value is not finite or of the wrong kind.
         """
+        if T_WB is not None and not isinstance(T_WB, pin.SE3):
+            raise OspaceError(f"T_WB {T_WB!r}: give a pin.SE3, or None for the identity")
+        if joints is not None and not isinstance(joints, Mapping):
+            raise OspaceError(f"joints {joints!r}: give a mapping of joint names to positions")
         q: Floats = pin.neutral(self.model)
         if T_WB is not None:
             q[:_BASE_NQ] = pin.SE3ToXYZQUAT(T_WB)
@@ -270,7 +274,7 @@ class SpaceRobot:
     def _joint(self, name: str) -> int:
         if name not in self.joint_names:
             raise OspaceError(f"robot '{self.name}' has no joint '{name}'{closest(str(name), self.joint_names)}")
-        return int(self.model.getJointId(name))
+        return 2 + self.joint_names.index(name)  # behind Pinocchio's universe and the base, whatever their names
 
     def __repr__(self) -> str:
         return f"SpaceRobot('{self.name}', nv={self.nv}, total_mass={self.total_mass:.6g} kg)"

@@ -21,6 +21,8 @@ QUATERNION_TOLERANCE = 1e-6
 """How far the length of a quaternion, or of a (cos, sin) pair, may be from one; it is then set to one."""
 _UNIT = 1e-15  # as close to one as rounding leaves it: set to one again, it would only change in its last digit
 
+_BEFORE_ROTATION = {"JointModelFreeFlyer": 3, "JointModelPlanar": 2}  # numbers of q that are no rotation
+
 
 class State:
     """A robot at `q` and `v`; made by `SpaceRobot.state`.
@@ -95,10 +97,13 @@ def _normalize(robot: SpaceRobot, q: Floats) -> None:
     unit = pin.normalize(model, q)
     for j in range(1, model.njoints):
         part = slice(model.idx_qs[j], model.idx_qs[j] + model.nqs[j])
-        if not np.allclose(q[part], unit[part], rtol=0.0, atol=QUATERNION_TOLERANCE):
+        rotation = q[part][_BEFORE_ROTATION.get(model.joints[j].shortname(), 0) :]
+        simple = len(rotation) in (2, 4) and model.nqs[j] == model.nvs[j] + 1
+        off = abs(np.linalg.norm(rotation) - 1.0) if simple else np.abs(q[part] - unit[part]).max(initial=0.0)
+        if not off <= QUATERNION_TOLERANCE:
             whose = "base quaternion q[3:7]" if j == 1 else f"rotation part of q of joint '{model.names[j]}'"
             raise OspaceError(
-                f"the {whose} is not of unit length: {q[3:7] if j == 1 else q[part]}; "
+                f"the {whose} is not of unit length: {rotation}; "
                 f"divide it by its length, or build q with robot.configuration"
             )
     q[:] = unit

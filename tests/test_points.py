@@ -296,13 +296,16 @@ def test_unknown_methods_are_refused(chaser, method):
 @of_each_function
 def test_one_point_may_come_without_a_list(chaser, function):
     state, point = trees.state(chaser, 0), chaser.point("head")
-    for alone, listed in zip(vars(function(state, point)).values(), vars(function(state, (point,))).values(), strict=True):
+    for alone, listed in zip(
+        vars(function(state, point)).values(), vars(function(state, (point,))).values(), strict=True
+    ):
         np.testing.assert_array_equal(alone, listed)
 
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(
-    "axes", ["linear", "angular", MIXED, (False, True, False, False, False, False), (True, True, True, True, True, False)]
+    "axes",
+    ["linear", "angular", MIXED, (False, True, False, False, False, False), (True, True, True, True, True, False)],
 )
 def test_rows_of_a_point_are_those_of_the_full_one(moving_tree, axes, method):
     robot = moving_tree.robot

@@ -172,7 +172,7 @@ def test_pinocchio_s_mimic_joints_are_refused_by_name():
     text = (
         f'<robot name="made">{link("base")}{link("one")}{link("two")}'
         f"{joint('a_leader', 'revolute', 'one')}"
-        f'{joint("follower", "revolute", "two", more=MIMIC)}</robot>'
+        f"{joint('follower', 'revolute', 'two', more=MIMIC)}</robot>"
     )
     model = pin.buildModelFromXML(text, pin.JointModelFreeFlyer(), mimic=True)
     with pytest.raises(ospace.OspaceError, match=r"'follower' is a mimic joint.*mimic=False"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -53,8 +54,8 @@ def _seed(text: str) -> int:
     return int(text)
 
 
-def run(given: argparse.Namespace) -> int:
-    """Check, print, and return the exit status."""
+def run(given: argparse.Namespace) -> tuple[int, str]:
+    """Check; return the exit status and the text to print."""
     from ospace.cli.main import EXIT_FINDINGS
     from ospace.exceptions import OspaceError, UnsoundModelError
     from ospace.robot import SpaceRobot
@@ -71,20 +72,17 @@ def run(given: argparse.Namespace) -> int:
         points = [robot.point(name) for name in given.point or robot.leaf_links]
         with _progress(given.samples) as advance:
             result = report.check(robot, points, samples=given.samples, seed=given.seed, progress=advance)
-    if given.json:
-        print(json.dumps(result.as_dict(), indent=2, allow_nan=False))
-    else:
-        _print(result, given.urdf)
-    return EXIT_FINDINGS if result.errors else 0
+    text = json.dumps(result.as_dict(), indent=2, allow_nan=False) + "\n" if given.json else _text(result, given.urdf)
+    return EXIT_FINDINGS if result.errors else 0, text
 
 
 def _find(urdf: str) -> Path:
     """Return the file, or the robot of that name that comes with ospace."""
     from ospace import models
 
-    if not Path(urdf).exists() and urdf in models.names():
-        return models.path(urdf)
-    return Path(urdf)
+    if os.path.lexists(urdf) or Path(urdf).name != urdf or Path(urdf).suffix:
+        return Path(urdf)
+    return models.path(urdf)
 
 
 @contextmanager
@@ -115,12 +113,18 @@ def _progress(states: int) -> Iterator[Callable[[int], None]]:
 # -- what people read --------------------------------------------------------------------------------------------
 
 
-def _print(result: Report, urdf: str) -> None:
+def _text(result: Report, urdf: str) -> str:
     from rich.console import Console
 
     console = Console(highlight=False, soft_wrap=True)
     if not console.is_terminal:
         console = Console(highlight=False, width=_PIPE_WIDTH, soft_wrap=True)
+    with console.capture() as captured:
+        _show(console, result, urdf)
+    return "\n".join(line.rstrip() for line in captured.get().splitlines()) + "\n"
+
+
+def _show(console: Console, result: Report, urdf: str) -> None:
     if result.model is not None:
         _print_model(console, result.model)
     if result.findings:
@@ -149,7 +153,7 @@ def _print(result: Report, urdf: str) -> None:
 def _print_model(console: Console, model: ModelFacts) -> None:
     joints = ", ".join(f"{count} {kind}" for kind, count in model.joints.items()) or "none"
     inertias = ", ".join(f"{value:.6g}" for value in model.principal_inertias)
-    centre = ", ".join(f"{value:.6g}" for value in model.mass_centre)
+    centre = ", ".join(f"{round(value, 12) + 0.0:.6g}" for value in model.mass_centre)
     points = ", ".join(f"{point['frame']} ({point['rows']} rows)" for point in model.points)
     console.print(f"[bold]{_plain(model.name)}[/]")
     for name, value in (

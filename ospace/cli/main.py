@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import io
 import os
+import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 
 import ospace
 
@@ -17,7 +20,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def parser() -> argparse.ArgumentParser:
-    """Build the parser of all verbs."""
+    """Build the parser of all verbs; each sets ``run``, which returns the exit status and the text to print."""
     top = argparse.ArgumentParser(
         prog="ospace", description="Operational-space dynamics of space robots, from URDF, checked against Pinocchio."
     )
@@ -34,21 +37,52 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        0 sound, 1 findings of level error, 2 unreadable input or wrong usage, 130 interrupted.
+        0 sound, 1 findings of level error, 2 unreadable input, wrong usage or unwritable output, 130 interrupted.
     """
     from ospace.exceptions import OspaceError
 
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal that lacks a letter shows another
     try:
-        given = parser().parse_args(arguments)
-        status: int = given.run(given)
-        sys.stdout.flush()
-        return status
+        with _interrupts() as refuse_if_interrupted:
+            given = parser().parse_args(arguments)
+            status, text = given.run(given)
+            refuse_if_interrupted()
+            print(text, end="", flush=True)
+        return int(status)
     except OspaceError as error:
         print(f"ospace: error: {error}", file=sys.stderr)
         return EXIT_USAGE
     except KeyboardInterrupt:
         print("ospace: interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
-    except BrokenPipeError:  # the reader of a pipe has gone; nothing may be written at exit either
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except OSError as error:
+        if not isinstance(error, BrokenPipeError):  # where the reader of a pipe has gone, there is no one to tell
+            print(f"ospace: error: cannot write the result: {error.strerror}", file=sys.stderr)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nothing may be written at exit either
         return EXIT_USAGE
+
+
+@contextmanager
+def _interrupts() -> Iterator[Callable[[], None]]:
+    """Remember Ctrl-C: some libraries swallow the exception while they are imported."""
+    seen: list[int] = []
+
+    def remember(number: int, frame: object) -> None:
+        seen.append(number)
+        raise KeyboardInterrupt
+
+    def refuse() -> None:
+        if seen:
+            raise KeyboardInterrupt
+
+    try:
+        before = signal.signal(signal.SIGINT, remember)
+    except ValueError:  # not the main thread, which alone is interrupted
+        yield refuse
+        return
+    try:
+        yield refuse
+    finally:
+        signal.signal(signal.SIGINT, before)

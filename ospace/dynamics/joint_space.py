@@ -142,7 +142,8 @@ def momentum(state: State) -> Floats:
     L_0: Floats = composite.momentum(state.tree)  # as seen from the frame that moves along with the base
     v_b = state.base_twist[:3]
     mass = state.robot.total_mass
-    M_0 = L_0 + mass * np.concatenate([v_b, np.cross(_mass_centre(state), v_b)])
+    with np.errstate(over="ignore", invalid="ignore"):  # told below
+        M_0 = L_0 + mass * np.concatenate([v_b, np.cross(_mass_centre(state), v_b)])
     all_finite((M_0,), "the momentum")
     return M_0
 

@@ -108,6 +108,7 @@ def operational_space(
         response = forward_chain(state, given)[2]
         J_e = point_jacobian(state, given)
     elif method == "dense":
+        _refuse_singular(state, _forward(state, given)[3])
         dense = Dense(state, given.points)
         Gamma_inv, mu, response, J_e = dense.Gamma_e_inv, dense.mu, dense.response, dense.J_e
     else:
@@ -130,12 +131,17 @@ def refuse_dependent(given: PointSet, rank: int, dependent: Iterable[int]) -> No
 
 def forward_chain(state: State, given: PointSet) -> tuple[Floats, Floats, Floats]:
     """Return Γ_e⁻¹ (r, r), μ (r,) and H⁻¹ J_eᵀ (nv, r) by the forward chain (38)–(45)."""
-    robot, rows = state.robot, given.rows
-    Gamma_inv, acceleration, response, share = operational.forward_chain(
-        robot.links, given.table, state.placements, state.tree
-    )
+    rows = given.rows
+    Gamma_inv, acceleration, response, share = _forward(state, given)
     _refuse_singular(state, share)
     return Gamma_inv[np.ix_(rows, rows)], -acceleration.ravel()[rows], response[:, rows]
+
+
+def _forward(state: State, given: PointSet) -> tuple[Floats, Floats, Floats, Floats]:
+    found: tuple[Floats, Floats, Floats, Floats] = operational.forward_chain(
+        state.robot.links, given.table, state.placements, state.tree
+    )
+    return found
 
 
 def _inverted(state: State, given: PointSet) -> tuple[Floats, Floats]:

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from ospace.exceptions import OspaceError
 from ospace.kernels.tables import Floats
 
 RANK_CUTOFF = 1e-12
@@ -33,6 +34,8 @@ def inverse_on_range(A: Floats, J: Floats, mobility: Floats, inertia: Floats) ->
     `mobility` (r,) is the diagonal of Γ_e⁻¹, `inertia` (k,) that of H. The inverse is A⁻¹ at full rank, else the
     Moore–Penrose pseudo-inverse of the part of A that has the rank of J.
     """
+    if not (mobility > 0.0).all() or not (inertia > 0.0).all():
+        raise OspaceError("an inertia is not positive: masses or lengths of this robot are too large or too small")
     scale = 1.0 / np.sqrt(mobility)
     W = scale[:, None] * J / np.sqrt(inertia)
     eigenvalues, vectors = np.linalg.eigh(W @ W.T)

@@ -56,8 +56,8 @@ def eliminate(links: Links, tree: Tree, body: Articulated, i: int) -> None:
 def inertia_share(I: Row, S: Row, beta_inv: Number) -> Number:
     """β over the terms it is made of, (Σ |S_k| √I_kk)²: where it falls to rounding, the joint has no inertia left."""
     root = (
-        abs(S[0]) * np.sqrt(I[0]) + abs(S[1]) * np.sqrt(I[2]) + abs(S[2]) * np.sqrt(I[5])
-        + abs(S[3]) * np.sqrt(I[9]) + abs(S[4]) * np.sqrt(I[14]) + abs(S[5]) * np.sqrt(I[20])
+        abs(S[0]) * np.sqrt(abs(I[0])) + abs(S[1]) * np.sqrt(abs(I[2])) + abs(S[2]) * np.sqrt(abs(I[5]))
+        + abs(S[3]) * np.sqrt(abs(I[9])) + abs(S[4]) * np.sqrt(abs(I[14])) + abs(S[5]) * np.sqrt(abs(I[20]))
     )  # fmt: skip
     return 1.0 / (beta_inv * root * root)
 

@@ -27,5 +27,5 @@ def path(name: str) -> Path:
         No robot of that name comes with ospace.
     """
     if name not in names():
-        raise OspaceError(f"no model '{name}' comes with ospace{closest(name, names())}")
+        raise OspaceError(f"'{name}' is neither a file nor a model that comes with ospace{closest(name, names())}")
     return _folder() / f"{name}.urdf"

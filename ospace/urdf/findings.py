@@ -52,7 +52,7 @@ def of_model(model: pin.Model) -> list[Finding]:
     for j in range(model.njoints - 1, 1, -1):
         subtree_mass[model.parents[j]] += subtree_mass[j]
     for j in range(1, model.njoints):
-        found += _of_body(link_of(model, j), model.inertias[j])
+        found += of_body(link_of(model, j), model.inertias[j])
         if j == 1 and model.inertias[1].mass == 0.0:
             found.append(
                 Finding(
@@ -61,6 +61,16 @@ def of_model(model: pin.Model) -> list[Finding]:
                     f"link '{link_of(model, 1)}'",
                     "the base, with all that is fixed to it, has no mass, so it could not float freely",
                     "give the root link, or a link fixed to it, an <inertial>",
+                )
+            )
+        elif j == 1 and model.njoints == 2 and np.linalg.eigvalsh(model.inertias[1].inertia)[0] <= 0.0:
+            found.append(
+                Finding(
+                    "massless-base",
+                    "error",
+                    f"link '{link_of(model, 1)}'",
+                    "the only body has no rotational inertia about an axis, so nothing resists a torque about it",
+                    "give its <inertia> three positive principal moments",
                 )
             )
         elif j > 1 and subtree_mass[j] == 0.0:
@@ -76,7 +86,8 @@ def of_model(model: pin.Model) -> list[Finding]:
     return found
 
 
-def _of_body(link: str, inertia: pin.Inertia) -> list[Finding]:
+def of_body(link: str, inertia: pin.Inertia) -> list[Finding]:
+    """Look at one inertia."""
     subject = f"link '{link}'"
     numbers = np.r_[inertia.mass, inertia.lever, inertia.inertia.ravel()]
     if not np.isfinite(numbers).all():
@@ -128,9 +139,16 @@ def of_parser(errors: list[str]) -> list[Finding]:
     return [*found, _of_parser(reason)] if reason else found
 
 
+def without_repetition(found: list[Finding]) -> tuple[Finding, ...]:
+    """Return each kind of finding once for each link or joint: a body may repeat what its link has."""
+    return tuple({(finding.code, finding.subject): finding for finding in reversed(found)}.values())[::-1]
+
+
 def _of_parser(error: str) -> Finding:
     message = f"Pinocchio's parser says: {error}"
-    return Finding("parser-error", "error", "file", message, "correct the element; its value is not used as written")
+    drawn = any(word in error.lower() for word in ("material", "color", "rgba", "visual", "collision", "geometry"))
+    remedy = "correct the element; its value is not used as written"
+    return Finding("parser-error", "warning" if drawn else "error", "file", message, remedy)
 
 
 def link_of(model: pin.Model, j: int) -> str:

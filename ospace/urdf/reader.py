@@ -14,7 +14,7 @@ import pinocchio as pin
 from lxml import etree
 
 from ospace.exceptions import UrdfError
-from ospace.urdf import findings
+from ospace.urdf import findings, structure
 from ospace.urdf.findings import Finding
 
 MAX_BYTES = 20_000_000
@@ -37,12 +37,7 @@ def read(path: Path) -> Reading:
         No such file, no regular file, too large, no XML, no URDF, or rejected by Pinocchio.
     """
     root = _parse(path, _bytes_of(path))
-    if root.tag != "robot":
-        raise UrdfError(path, f"the root element is <{root.tag!s}>, not <robot>: this is no URDF")
-    if not root.get("name"):
-        raise UrdfError(path, "<robot> has no name: give it one, as in <robot name='chaser'>")
-    if root.find("link") is None:
-        raise UrdfError(path, "<robot> has no <link>: a robot needs at least its base")
+    structure.check(path, root)
     joints = {str(joint.get("name")): joint for joint in root.iterfind("joint")}
     mimics = [
         findings.mimic(name, str(tag.get("joint")))
@@ -50,7 +45,7 @@ def read(path: Path) -> Reading:
         if (tag := joint.find("mimic")) is not None
     ]
     model, errors = _build(path, etree.tostring(root, encoding="unicode"), _unused_name(joints))
-    return Reading(model, (*findings.of_parser(errors), *mimics))
+    return Reading(model, (*findings.of_parser(errors), *structure.of_links(root), *mimics))
 
 
 def _bytes_of(path: Path) -> bytes:

@@ -60,6 +60,14 @@ def file(tmp_path):
     return tmp_path / "some robot.urdf"
 
 
+def attempt(path):
+    """The robot and None, or None and why there is none."""
+    try:
+        return ospace.SpaceRobot.from_urdf(path), None
+    except (ospace.UrdfError, ospace.UnsoundModelError) as error:
+        return None, error
+
+
 def refuse(path, capfd, reason):
     """The file is refused with its name and `reason`, and nothing else is said."""
     with pytest.raises(ospace.UrdfError, match=reason) as caught:
@@ -184,12 +192,9 @@ def test_external_entities_are_not_fetched(file, target):
     (file.parent / "secret.txt").write_text('<link name="secret"/>')
     doctype = f'<!DOCTYPE robot [<!ENTITY out SYSTEM "{target}">]>'
     file.write_text(doctype + robot(link("base"), "&out;"))
-    try:
-        made = ospace.SpaceRobot.from_urdf(file)
-    except ospace.UrdfError as error:
-        assert "secret" not in str(error)
-    else:
-        assert made.leaf_links == ["base"]
+    made, refusal = attempt(file)
+    assert made is None or made.leaf_links == ["base"]
+    assert "secret" not in str(refusal)
 
 
 def test_an_external_doctype_is_not_fetched(file):
@@ -216,8 +221,14 @@ XACRO = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="made">{}</robo
         (robot('<joint name="hinge" type="fixed"/>'), "no <link>"),
         (XACRO.format('<xacro:include filename="arm.xacro"/><xacro:arm prefix="left"/>'), "xacro"),
         (XACRO.format(link("base") + '<xacro:arm prefix="left"/>'), "xacro"),
-        (XACRO.format('<xacro:property name="m" value="2"/>' + link("base", INERTIAL.replace('"2"', '"${m}"'))), "xacro"),
-        (XACRO.format('<xacro:macro name="arm" params="p"><link name="${p}_arm"/></xacro:macro>' + link("base")), "xacro"),
+        (
+            XACRO.format('<xacro:property name="m" value="2"/>' + link("base", INERTIAL.replace('"2"', '"${m}"'))),
+            "xacro",
+        ),
+        (
+            XACRO.format('<xacro:macro name="arm" params="p"><link name="${p}_arm"/></xacro:macro>' + link("base")),
+            "xacro",
+        ),
     ],
 )
 def test_what_is_no_urdf(file, capfd, content, reason):
@@ -263,9 +274,22 @@ def test_what_pinocchio_rejects(file, capfd, parts, reason):
     ("parts", "subject"),
     [
         ((link("base"), link("arm"), joint(parent="arm")), "arm"),
-        ((link("base"), link("arm"), link("hand"), joint(parent="hand"), joint("k", parent="arm", child="hand")), "arm"),
+        (
+            (link("base"), link("arm"), link("hand"), joint(parent="hand"), joint("k", parent="arm", child="hand")),
+            "arm",
+        ),
         ((link("base"), link("arm"), joint(), joint("second")), "arm"),
-        ((link("base"), link("arm"), link("hand"), joint(), joint("k", child="hand"), joint("l", "fixed", "hand", more="")), "arm"),
+        (
+            (
+                link("base"),
+                link("arm"),
+                link("hand"),
+                joint(),
+                joint("k", child="hand"),
+                joint("l", "fixed", "hand", more=""),
+            ),
+            "arm",
+        ),
     ],
     ids=["its own parent", "two links that hang from each other", "two joints to one link", "closed loop"],
 )
@@ -295,8 +319,12 @@ def test_links_that_are_no_tree_with_the_base(file, capfd, parts, subject):
 )
 def test_an_inertial_that_cannot_be_read_is_no_inertial_left_out(file, capfd, broken):
     """Pinocchio drops it with a word on standard error: a link without mass, or without inertia, would remain."""
-    file.write_text(robot(link("base"), link("arm"), link("hand", broken), joint(), joint("k", "fixed", "arm", "hand", "")))
-    refuse(file, capfd, "'?hand'?")
+    file.write_text(
+        robot(link("base"), link("arm"), link("hand", broken), joint(), joint("k", "fixed", "arm", "hand", ""))
+    )
+    with pytest.raises(ospace.OspaceError, match=r"\bhand\b"):
+        ospace.SpaceRobot.from_urdf(file)
+    assert capfd.readouterr() == ("", "")
 
 
 @pytest.mark.parametrize("kind", ["revolute", "prismatic", "continuous"])
@@ -308,7 +336,9 @@ def test_an_axis_of_no_length_is_no_axis(file, capfd, kind):
 # -- what is read all the same -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["a b.urdf", "spät.urdf", "机器人.urdf", "100% [bold] 'n \" so.urdf", "no_ending", ".urdf"])
+@pytest.mark.parametrize(
+    "name", ["a b.urdf", "spät.urdf", "机器人.urdf", "100% [bold] 'n \" so.urdf", "no_ending", ".urdf"]
+)
 def test_names_of_files_do_not_matter(tmp_path, capfd, name):
     file = tmp_path / "a folder" / name
     file.parent.mkdir()
@@ -335,7 +365,9 @@ def test_declared_encodings(file, encoding):
     assert ospace.SpaceRobot.from_urdf(file).name == "café"
 
 
-@pytest.mark.parametrize("before", ["\ufeff", "\n", "<!-- a comment: ü -->", "<?xml-model href='x'?>", "<!DOCTYPE robot>"])
+@pytest.mark.parametrize(
+    "before", ["\ufeff", "\n", "<!-- a comment: ü -->", "<?xml-model href='x'?>", "<!DOCTYPE robot>"]
+)
 @pytest.mark.parametrize("ends", ["\n", "\r\n"])
 def test_what_may_stand_around_a_robot(file, before, ends):
     text = before + "\n" + ONE_ARM.replace("><", ">\n<!-- <link/> --><") + "\n<!-- end -->\n"
@@ -384,13 +416,9 @@ def answer(folder, content):
     """Any content gives a robot that has dynamics, or an OspaceError that names the file or the robot."""
     file = folder / "any.urdf"
     file.write_bytes(content)
-    try:
-        made = ospace.SpaceRobot.from_urdf(file)
-    except ospace.UrdfError as error:
-        assert str(file) in str(error)
-        return
-    except ospace.UnsoundModelError as error:
-        assert error.findings
+    made, refusal = attempt(file)
+    if made is None:
+        assert str(file) in str(refusal) if isinstance(refusal, ospace.UrdfError) else refusal.findings
         return
     H = ospace.joint_space_dynamics(made.state(made.configuration()))
     assert np.isfinite(H.base_inertia).all()
@@ -413,7 +441,24 @@ def test_any_text_in_a_link(folder, content):
     answer(folder, robot(link("base"), content).encode("utf-8", "replace"))
 
 
-TOKENS = ["0", "-1", "1e400", "nan", "", '"', "<", ">", "/>", "<link/>", "&amp;", "&x;", "base", "arm", "fixed", "<joint/>"]
+TOKENS = [
+    "0",
+    "-1",
+    "1e400",
+    "nan",
+    "",
+    '"',
+    "<",
+    ">",
+    "/>",
+    "<link/>",
+    "&amp;",
+    "&x;",
+    "base",
+    "arm",
+    "fixed",
+    "<joint/>",
+]
 
 
 @repeatable
