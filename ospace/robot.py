@@ -131,10 +131,15 @@ class SpaceRobot:
         return list(self.model.names)[2:]
 
     @cached_property
+    def _carried_frames(self) -> list[pin.Frame]:
+        """All frames but those of the universe and of the free-flyer, whose names a link or joint may bear as well."""
+        frames = [frame for frame in self.model.frames if frame.parentJoint > 0]
+        return [frame for frame in frames if frame.parentJoint > 1 or frame.type != pin.FrameType.JOINT]
+
+    @cached_property
     def frame_names(self) -> list[str]:
         """Names of all frames that can carry an operational point, links first."""
-        carried = list(self.model.frames)[2:]  # behind those of the universe and of the free-flyer
-        carried.sort(key=lambda frame: frame.type != pin.FrameType.BODY)
+        carried = sorted(self._carried_frames, key=lambda frame: frame.type != pin.FrameType.BODY)
         return list(dict.fromkeys(frame.name for frame in carried))
 
     @cached_property
@@ -187,7 +192,7 @@ class SpaceRobot:
         OspaceError
             The name is unknown, or belongs to several frames in different places; `axes` or `offset` make no sense.
         """
-        named = [one for one in list(self.model.frames)[2:] if one.name == frame]  # behind universe and free-flyer
+        named = [one for one in self._carried_frames if one.name == frame]
         if not named:
             raise OspaceError(f"robot '{self.name}' has no frame '{frame}'{closest(str(frame), self.frame_names)}")
         first = named[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -99,7 +100,7 @@ def _normalize(robot: SpaceRobot, q: Floats) -> None:
         part = slice(model.idx_qs[j], model.idx_qs[j] + model.nqs[j])
         rotation = q[part][_BEFORE_ROTATION.get(model.joints[j].shortname(), 0) :]
         simple = len(rotation) in (2, 4) and model.nqs[j] == model.nvs[j] + 1
-        off = abs(np.linalg.norm(rotation) - 1.0) if simple else np.abs(q[part] - unit[part]).max(initial=0.0)
+        off = abs(math.hypot(*rotation) - 1.0) if simple else np.abs(q[part] - unit[part]).max(initial=0.0)
         if not off <= QUATERNION_TOLERANCE:
             whose = "base quaternion q[3:7]" if j == 1 else f"rotation part of q of joint '{model.names[j]}'"
             raise OspaceError(

@@ -9,6 +9,8 @@ from typing import Literal
 import numpy as np
 import pinocchio as pin
 
+from ospace.kernels.tables import Floats
+
 Severity = Literal["error", "warning"]
 _ROUNDING = 1e-9
 _POINT_LIKE = 1e-12  # radius of gyration squared, m²: below it a tensor is rounding around a point mass
@@ -52,7 +54,8 @@ def of_model(model: pin.Model) -> list[Finding]:
     for j in range(model.njoints - 1, 1, -1):
         subtree_mass[model.parents[j]] += subtree_mass[j]
     for j in range(1, model.njoints):
-        found += of_body(link_of(model, j), model.inertias[j])
+        body = model.inertias[j]
+        found += of_body(link_of(model, j), body.mass, body.lever, body.inertia)
         if j == 1 and model.inertias[1].mass == 0.0:
             found.append(
                 Finding(
@@ -63,7 +66,7 @@ def of_model(model: pin.Model) -> list[Finding]:
                     "give the root link, or a link fixed to it, an <inertial>",
                 )
             )
-        elif j == 1 and model.njoints == 2 and np.linalg.eigvalsh(model.inertias[1].inertia)[0] <= 0.0:
+        elif j == 1 and model.njoints == 2 and not found and np.linalg.eigvalsh(body.inertia)[0] <= 0.0:
             found.append(
                 Finding(
                     "massless-base",
@@ -86,22 +89,22 @@ def of_model(model: pin.Model) -> list[Finding]:
     return found
 
 
-def of_body(link: str, inertia: pin.Inertia) -> list[Finding]:
-    """Look at one inertia."""
+def of_body(link: str, mass: float, centre: Floats, inertia: Floats, *, merged: bool = False) -> list[Finding]:
+    """Look at one inertia, the tensor about the centre of mass; a link that is `merged` may lean on its neighbours."""
     subject = f"link '{link}'"
-    numbers = np.r_[inertia.mass, inertia.lever, inertia.inertia.ravel()]
+    numbers = np.r_[mass, centre, inertia.ravel()]
     if not np.isfinite(numbers).all():
         message = "mass, centre of mass or inertia is not finite"
         return [Finding("inertia-not-finite", "error", subject, message, "write finite numbers in its <inertial>")]
-    if inertia.mass < 0.0:
-        message = f"mass {inertia.mass:.6g} kg is negative"
+    if mass < 0.0:
+        message = f"mass {mass:.6g} kg is negative"
         return [Finding("negative-mass", "error", subject, message, "give it a positive mass")]
-    smallest, middle, largest = np.linalg.eigvalsh(inertia.inertia)
-    rounding = _ROUNDING * abs(largest) + _POINT_LIKE * inertia.mass
+    smallest, middle, largest = np.linalg.eigvalsh(inertia)
+    rounding = _ROUNDING * abs(largest) + _POINT_LIKE * mass
     if smallest < -rounding:
         message = f"rotational inertia about the centre of mass has the negative principal moment {smallest:.6g} kg m²"
         remedy = "correct the tensor: it belongs about the centre of mass, in the axes of the <inertial> origin"
-        return [Finding("inertia-indefinite", "error", subject, message, remedy)]
+        return [Finding("inertia-indefinite", "warning" if merged else "error", subject, message, remedy)]
     if largest > smallest + middle + rounding:
         message = (
             f"principal moments {smallest:.6g}, {middle:.6g}, {largest:.6g} kg m² violate the triangle inequality: "

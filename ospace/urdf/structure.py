@@ -6,17 +6,17 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-import pinocchio as pin
 from lxml import etree
 
 from ospace.exceptions import UrdfError
 from ospace.urdf.findings import Finding, of_body
 
+_WITH_AXIS = ("revolute", "continuous", "prismatic", "planar")
 _XACRO = "http://www.ros.org/wiki/xacro"
 
 
 def check(path: Path, root: etree._Element) -> None:
-    """Raise `UrdfError` where the file is no URDF, or its links no tree: Pinocchio would drop links in silence, or hang."""
+    """Raise `UrdfError` where the file is no URDF, or its links no tree: Pinocchio would drop some, or hang."""
     if root.tag != "robot":
         raise UrdfError(path, f"the root element is <{root.tag!s}>, not <robot>: this is no URDF")
     for element in root.iter():
@@ -33,7 +33,7 @@ def check(path: Path, root: etree._Element) -> None:
             raise UrdfError(path, f"link '{child}' is the child of two joints: '{joint.get('name')}' is the second")
         parent_of[child] = parent
         axis = joint.find("axis")
-        if axis is not None and _numbers(axis.get("xyz", "")) == [0.0, 0.0, 0.0]:
+        if axis is not None and joint.get("type") in _WITH_AXIS and _numbers(axis.get("xyz", "")) == [0.0, 0.0, 0.0]:
             raise UrdfError(path, f"joint '{joint.get('name')}' has an axis of no length: give it a direction")
     for link in parent_of:
         seen = {link}
@@ -46,6 +46,7 @@ def check(path: Path, root: etree._Element) -> None:
 
 def of_links(root: etree._Element) -> Iterator[Finding]:
     """Look at each link's own inertia, before fixed joints merge it with its neighbours."""
+    welded = {_linked(joint, "child") for joint in root.iterfind("joint") if joint.get("type") == "fixed"}
     for link in root.iterfind("link"):
         mass, tensor = link.find("inertial/mass"), link.find("inertial/inertia")
         if mass is None or tensor is None:
@@ -54,7 +55,8 @@ def of_links(root: etree._Element) -> Iterator[Finding]:
         xx, yy, zz, xy, xz, yz = (_numbers(tensor.get(f"i{key}", "")) for key in ("xx", "yy", "zz", "xy", "xz", "yz"))
         if all(len(numbers) == 1 for numbers in (value, xx, yy, zz, xy, xz, yz)):
             matrix = np.array([[xx[0], xy[0], xz[0]], [xy[0], yy[0], yz[0]], [xz[0], yz[0], zz[0]]])
-            yield from of_body(str(link.get("name")), pin.Inertia(value[0], np.zeros(3), matrix))
+            name = str(link.get("name"))
+            yield from of_body(name, value[0], np.zeros(3), matrix, merged=name in welded)
 
 
 def _linked(joint: etree._Element, end: str) -> str:

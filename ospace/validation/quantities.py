@@ -116,7 +116,7 @@ def base_generalized_jacobian(s: Sample) -> Comparison:
 @quantity("generalized Jacobian J_m*", "5, 29-31", "composite bodies", "crba, Jacobians")
 def generalized_jacobian_(s: Sample) -> Comparison:
     value = s.jacobians.generalized_jacobian
-    condition = s.condition_H_b * s.lever**0.5
+    condition = s.condition_H_b * (s.lever + s.point_lever) ** 0.5
     return Comparison(value, s.dense.J_m_star, s.point_scale, s.force_scale[6:], condition)
 
 
@@ -131,7 +131,9 @@ def base_velocity(s: Sample) -> Comparison:
 def point_velocity(s: Sample) -> Comparison:
     value = s.jacobians.generalized_jacobian @ s.state.v[6:] + s.jacobians.momentum_velocity
     natural = float(np.linalg.norm(s.velocity_scale * s.dense.velocity))
-    return Comparison(value, s.dense.J_e @ s.dense.velocity, s.point_scale, 1.0, s.condition_H_b, natural)
+    return Comparison(
+        value, s.dense.J_e @ s.dense.velocity, s.point_scale, 1.0, s.condition_H_b * s.point_lever**0.5, natural
+    )
 
 
 @quantity("generalized inertia H_m*", "7", "composite bodies", "pin.crba")
@@ -157,19 +159,21 @@ def generalized_bias(s: Sample) -> Comparison:
 
 @quantity("point Jacobian J_e", "16, 29", "outward recursion", "Jacobians")
 def jacobian(s: Sample) -> Comparison:
-    return Comparison(s.operational.jacobian, s.dense.J_e, s.point_scale, s.force_scale, s.lever**0.5)
+    return Comparison(
+        s.operational.jacobian, s.dense.J_e, s.point_scale, s.force_scale, (s.lever + s.point_lever) ** 0.5
+    )
 
 
 @quantity("inverse inertia, all blocks", "37-41", "forward chain", "crba, Jacobians (9)")
 def inertia_inverse(s: Sample) -> Comparison:
     scale = s.point_scale
-    return Comparison(s.operational.inertia_inverse, s.dense.Gamma_e_inv, scale, scale, s.condition_H)
+    return Comparison(s.operational.inertia_inverse, s.dense.Gamma_e_inv, scale, scale, s.condition_mobility)
 
 
 @quantity("inverse inertia, all blocks", "37-41", "forward chain", "pin.computeMinverse")
 def inertia_inverse_by_minverse(s: Sample) -> Comparison:
     reference = s.dense.J_e @ s.dense.H_inv @ s.dense.J_e.T
-    return Comparison(s.operational.inertia_inverse, reference, s.point_scale, s.point_scale, s.condition_H)
+    return Comparison(s.operational.inertia_inverse, reference, s.point_scale, s.point_scale, s.condition_mobility)
 
 
 @quantity("operational inertia", "§6.2 step 5", "forward chain", "dense (9)")
@@ -182,7 +186,7 @@ def inertia(s: Sample) -> Comparison:
 @quantity("bias acceleration", "42-44", "forward chain", "crba, rnea, drift")
 def bias_acceleration(s: Sample) -> Comparison:
     value = s.operational.bias_acceleration
-    return Comparison(value, s.dense.mu, s.point_scale, 1.0, s.condition_H, s.speed)
+    return Comparison(value, s.dense.mu, s.point_scale, 1.0, s.condition_mobility, s.speed)
 
 
 @quantity("bias force", "45", "forward chain", "dense (10)")
@@ -235,13 +239,15 @@ def inverted_bias_force(s: Sample) -> Comparison:
 @quantity("floating inverse inertia", "12", "response sweep", "crba, Jacobians")
 def floating_inertia_inverse(s: Sample) -> Comparison:
     scale = s.point_scale
-    return Comparison(s.floating.floating_inertia_inverse, s.dense.Lambda_inv, scale, scale, s.condition_H)
+    return Comparison(s.floating.floating_inertia_inverse, s.dense.Lambda_inv, scale, scale, s.condition_mobility)
 
 
 @quantity("base inverse inertia", "12", "composite bodies", "crba, Jacobians")
 def base_inertia_inverse(s: Sample) -> Comparison:
     scale = s.point_scale
-    return Comparison(s.floating.base_inertia_inverse, s.dense.Lambda_b_inv, scale, scale, s.condition_H_b)
+    return Comparison(
+        s.floating.base_inertia_inverse, s.dense.Lambda_b_inv, scale, scale, s.condition_H_b + s.point_lever
+    )
 
 
 @quantity("floating inertia", "12", "response sweep", "crba, Jacobians")
@@ -254,12 +260,14 @@ def floating_inertia(s: Sample) -> Comparison:
 @quantity("floating bias acceleration", "12", "composite forces", "crba, rnea, drift")
 def floating_bias(s: Sample) -> Comparison:
     value = s.floating.bias_acceleration
-    return Comparison(value, s.dense.mu, s.point_scale, 1.0, s.condition_H, s.speed)
+    return Comparison(value, s.dense.mu, s.point_scale, 1.0, s.condition_mobility, s.speed)
 
 
 @quantity("torque map J_m* H_m*^-1", "12", "response sweep", "crba, Jacobians")
 def torque_map(s: Sample) -> Comparison:
-    return Comparison(s.floating.torque_map, s.dense.torque_map, s.point_scale, s.velocity_scale[6:], s.condition_H)
+    return Comparison(
+        s.floating.torque_map, s.dense.torque_map, s.point_scale, s.velocity_scale[6:], s.condition_mobility
+    )
 
 
 @quantity("dynamically consistent inverse J_m*+", "13", "response sweep", "crba, Jacobians")
@@ -273,7 +281,7 @@ def floating_consistent_inverse(s: Sample) -> Comparison:
 @quantity("floating + base = operational", "12", "response, composite", "forward chain")
 def inertias_add_up(s: Sample) -> Comparison:
     value = s.floating.floating_inertia_inverse + s.floating.base_inertia_inverse
-    return Comparison(value, s.operational.inertia_inverse, s.point_scale, s.point_scale, s.condition_H)
+    return Comparison(value, s.operational.inertia_inverse, s.point_scale, s.point_scale, s.condition_mobility)
 
 
 @quantity("inertia x floating bias = bias force", "12", "composite forces", "forward chain")
@@ -288,7 +296,7 @@ def motion_under_load(s: Sample) -> Comparison:
     now = s.operational
     value = now.response.T @ s.load + now.inertia_inverse @ s.F_e - now.bias_acceleration
     reference, _ = s.dense.accelerations_under(s.load, s.F_e)
-    return Comparison(value, reference, s.point_scale, 1.0, s.condition_H, s.speed)
+    return Comparison(value, reference, s.point_scale, 1.0, s.condition_mobility, s.speed)
 
 
 @quantity("motion under forces, free-floating", "12", "response, composite", "pin.aba")
@@ -297,7 +305,7 @@ def floating_motion_under_load(s: Sample) -> Comparison:
     Gamma_inv = s.floating.floating_inertia_inverse + s.floating.base_inertia_inverse
     value = s.floating.torque_map @ load[6:] + Gamma_inv @ s.F_e - s.floating.bias_acceleration
     reference, _ = s.dense.accelerations_under(load, s.F_e)
-    return Comparison(value, reference, s.point_scale, 1.0, s.condition_H, s.speed)
+    return Comparison(value, reference, s.point_scale, 1.0, s.condition_mobility, s.speed)
 
 
 @quantity("rate of momentum", "6, 20", "composite forces", "applied wrenches")

@@ -138,18 +138,35 @@ def check(
     """
     rng = np.random.default_rng(seed)
     table, found = AgreementTable(), list(robot.findings)
+    reader = _second_reader(robot, found)
+    placed: list[tuple[float, float]] = []
     rows: list[Agreement] = []
     done = 0
     try:
         for done in range(1, samples + 1):
             table.add(Sample(random_state(robot, rng, far=done % 2 == 0), points, rng))
+            if reader is not None:
+                placed.append((reader.compare(rng), _PLACEMENT_BOUND))
             progress(done)
         rows = table.rows()
+        if reader is not None:
+            name = f"placements of {len(reader.links)} links"
+            rows.append(summary(name, "14", "Pinocchio", "yourdfpy", placed))
     except SingularInertiaError as error:
         found.append(_singular(error))
-    if robot.source is not None:
-        rows, found = _with_placements(robot, rng, samples, rows, found)
     return Report(model_facts(robot, points), tuple(found), rows, done, seed)
+
+
+def _second_reader(robot: SpaceRobot, found: list[Finding]) -> IndependentReader | None:
+    """Return the independent reader; None, with a finding, where it rejects the file, or there is none."""
+    if robot.source is None:
+        return None
+    try:
+        return IndependentReader(robot)
+    except OspaceError as error:
+        remedy = "compare the file with the URDF specification: another reader may stumble where yourdfpy does"
+        found.append(Finding("second-reader", "warning", f"robot '{robot.name}'", str(error), remedy))
+        return None
 
 
 def _singular(error: SingularInertiaError) -> Finding:
@@ -160,17 +177,3 @@ def _singular(error: SingularInertiaError) -> Finding:
         "carries no inertia in a sampled state, so the joint-space inertia is singular to working precision",
         "give the links beyond it mass and inertia, or make the joint fixed",
     )
-
-
-def _with_placements(
-    robot: SpaceRobot, rng: np.random.Generator, samples: int, rows: list[Agreement], found: list[Finding]
-) -> tuple[list[Agreement], list[Finding]]:
-    """Add what the independent reader says."""
-    try:
-        reader = IndependentReader(robot)
-    except OspaceError as error:
-        remedy = "compare the file with the URDF specification: another reader may stumble where yourdfpy does"
-        return rows, [*found, Finding("second-reader", "warning", f"robot '{robot.name}'", str(error), remedy)]
-    seen = [(reader.compare(rng), _PLACEMENT_BOUND) for _ in range(samples)]
-    quantity = f"placements of {len(reader.links)} links"
-    return [*rows, summary(quantity, "14", "Pinocchio", "yourdfpy", seen)], found

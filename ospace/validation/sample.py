@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -93,12 +94,31 @@ class Sample:
         return float((terms[1:].sum(axis=1) ** 2 / np.diag(self.dense.H)[6:]).max(initial=1.0))
 
     @cached_property
+    def point_lever(self) -> float:
+        """The same at the points: how far they would move with the base's place, were they not beside their joints.
+
+        A point that hardly moves while its link turns easily, as one on the axis of a light link, is the difference
+        of the link's motion about the base and that motion's arm.
+        """
+        all_rows = [replace(point, axes=(True,) * 6) for point in self.points]
+        mobility = np.diag(Dense(self.state, all_rows).Gamma_e_inv).reshape(-1, 6)
+        arms = [np.linalg.norm(self.state.placement_about_base(point).translation) for point in self.points]
+        swept = mobility[:, 3:].max(axis=1) * np.square(arms)
+        linear = np.array([one.axes for one in self.points])
+        linear[:, 3:] = False
+        return float(np.where(linear, swept[:, None] / mobility, 1.0).max())
+
+    @cached_property
     def condition_H_b(self) -> float:
         return condition(self.dense.H[:6, :6])
 
     @cached_property
     def condition_H(self) -> float:
         return condition(self.dense.H) + self.lever
+
+    @cached_property
+    def condition_mobility(self) -> float:
+        return self.condition_H + self.point_lever
 
     @cached_property
     def Gamma_e(self) -> RangeInverse:
@@ -125,7 +145,7 @@ class Sample:
         full = rank == len(A)
         eigenvalues = np.linalg.eigvalsh(A * np.outer(self.point_scale, self.point_scale) if full else A)
         of_range = float(max(eigenvalues[-1], 1.0 if full else 0.0) / abs(eigenvalues[len(A) - rank]))
-        return condition(self.dense.H) * of_range + self.lever
+        return condition(self.dense.H) * of_range + self.lever + self.point_lever
 
 
 def condition(A: Floats) -> float:
