@@ -98,7 +98,7 @@ def operational_space(
 
     Notes
     -----
-    Rows that depend on each other are told by the eigenvalues of Γ_e⁻¹: see `ospace.dynamics.ranges.RANK_CUTOFF`.
+    Rows that depend on each other are told by the Jacobian: see `ospace.dynamics.ranges.RANK_CUTOFF`.
     """
     if method not in METHODS:
         raise OspaceError(f"method '{method}' is unknown: give one of {', '.join(METHODS)}")

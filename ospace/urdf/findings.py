@@ -130,15 +130,21 @@ def of_parser(errors: list[str]) -> list[Finding]:
     found: list[Finding] = []
     reason = ""
     for error in errors:
-        if dropped := re.search(r"inertial element for Link \[(.*)\]", error):
+        dropped = re.search(r"parse (inertial|visual|collision) element for Link \[(.*)\]", error)
+        if dropped is None:
+            if reason:
+                found.append(_of_parser(reason))
+            reason = error
+            continue
+        if dropped[1] == "inertial":
             message = f"its <inertial> cannot be read ({reason}), and the link would be taken as massless"
             remedy = "write every value of <mass>, <origin> and <inertia> as a plain finite number"
-            found.append(Finding("inertial-unreadable", "error", f"link '{dropped[1]}'", message, remedy))
-            reason = ""
-            continue
-        if reason:
-            found.append(_of_parser(reason))
-        reason = error
+            found.append(Finding("inertial-unreadable", "error", f"link '{dropped[2]}'", message, remedy))
+        else:
+            message = f"its <{dropped[1]}> cannot be read ({reason}), and is left out"
+            remedy = "correct it; it is for looks and contacts, dynamics do not need it"
+            found.append(Finding("parser-error", "warning", f"link '{dropped[2]}'", message, remedy))
+        reason = ""
     return [*found, _of_parser(reason)] if reason else found
 
 
@@ -149,7 +155,7 @@ def without_repetition(found: list[Finding]) -> tuple[Finding, ...]:
 
 def _of_parser(error: str) -> Finding:
     message = f"Pinocchio's parser says: {error}"
-    drawn = any(word in error.lower() for word in ("material", "color", "rgba", "visual", "collision", "geometry"))
+    drawn = any(word in error.lower() for word in ("material", "color", "rgba"))
     remedy = "correct the element; its value is not used as written"
     return Finding("parser-error", "warning" if drawn else "error", "file", message, remedy)
 

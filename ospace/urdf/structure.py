@@ -46,7 +46,8 @@ def check(path: Path, root: etree._Element) -> None:
 
 def of_links(root: etree._Element) -> Iterator[Finding]:
     """Look at each link's own inertia, before fixed joints merge it with its neighbours."""
-    welded = {_linked(joint, "child") for joint in root.iterfind("joint") if joint.get("type") == "fixed"}
+    fixed = [joint for joint in root.iterfind("joint") if joint.get("type") == "fixed"]
+    welded = {_linked(joint, end) for joint in fixed for end in ("parent", "child")}
     for link in root.iterfind("link"):
         mass, tensor = link.find("inertial/mass"), link.find("inertial/inertia")
         if mass is None or tensor is None:
@@ -67,6 +68,7 @@ def _linked(joint: etree._Element, end: str) -> str:
 def _numbers(text: str) -> list[float]:
     """Return the numbers in `text`; none where one cannot be read, which Pinocchio's parser tells by itself."""
     try:
-        return [float(word) for word in text.split()]
+        numbers = [float(word) for word in text.split()]
     except ValueError:
         return []
+    return numbers if np.isfinite(numbers).all() else []
