@@ -27,8 +27,8 @@ def add_to(verbs: Any) -> None:
         "check",
         help="check a URDF and the dynamics computed from it",
         description="Read a URDF, compute every quantity of the paper by its recursion, and compare it with Pinocchio "
-        "over random states. Exit status: 0 sound, 1 findings of level error, 2 unreadable input, unwritable output or wrong usage, "
-        "130 interrupted.",
+        "over random states. Exit status: 0 sound, 1 findings of level error, 2 unreadable input, unwritable output or "
+        "wrong usage, 130 interrupted.",
     )
     verb.add_argument("urdf", metavar="URDF", help="a file, or the name of a robot that comes with ospace")
     verb.add_argument(

@@ -463,7 +463,7 @@ print("loaded:", sorted(heavy), "status:", status, file=sys.stderr)
 def test_help_tells_exit_statuses_and_defaults(run):
     _, out, _ = run("check", "--help")
     text = " ".join(out.split())
-    assert "0 sound, 1 findings of level error, 2 unreadable input or wrong usage" in text
+    assert "0 sound, 1 findings of level error, 2 unreadable input, unwritable output or wrong usage" in text
     assert all(option in text for option in ("--point", "--samples", "--seed", "--json", "--package-dir"))
 
 
