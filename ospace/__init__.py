@@ -19,6 +19,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ospace import models as models
+    from ospace.dynamics.batch import operational_space_batch as operational_space_batch
+    from ospace.dynamics.evaluator import OperationalSpaceEvaluator as OperationalSpaceEvaluator
     from ospace.dynamics.free_floating import free_floating as free_floating
     from ospace.dynamics.generalized_jacobian import generalized_jacobian as generalized_jacobian
     from ospace.dynamics.joint_space import generalized_dynamics as generalized_dynamics
@@ -47,6 +49,8 @@ _HOME = {
     "inverse_dynamics": "dynamics.joint_space",
     "generalized_jacobian": "dynamics.generalized_jacobian",
     "operational_space": "dynamics.operational_space",
+    "OperationalSpaceEvaluator": "dynamics.evaluator",
+    "operational_space_batch": "dynamics.batch",
     "free_floating": "dynamics.free_floating",
     "OspaceError": "exceptions",
     "UrdfError": "exceptions",

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ospace.kernels.lanes import Number, Row, add_to6, add_to21, inlined, load6, load21, store6
+from ospace.kernels.simd import root, size
 from ospace.kernels.spatial import add6, cross_force, dot6, scale6, sub6, sym6_mul, sym6_outer, sym6_sub
 from ospace.kernels.tables import Articulated, Links, Tree
 
@@ -55,11 +56,11 @@ def eliminate(links: Links, tree: Tree, body: Articulated, i: int) -> None:
 @inlined
 def inertia_share(I: Row, S: Row, beta_inv: Number) -> Number:
     """β over the terms it is made of, (Σ |S_k| √I_kk)²: where it falls to rounding, the joint has no inertia left."""
-    root = (
-        abs(S[0]) * np.sqrt(abs(I[0])) + abs(S[1]) * np.sqrt(abs(I[2])) + abs(S[2]) * np.sqrt(abs(I[5]))
-        + abs(S[3]) * np.sqrt(abs(I[9])) + abs(S[4]) * np.sqrt(abs(I[14])) + abs(S[5]) * np.sqrt(abs(I[20]))
+    terms = (
+        size(S[0]) * root(size(I[0])) + size(S[1]) * root(size(I[2])) + size(S[2]) * root(size(I[5]))
+        + size(S[3]) * root(size(I[9])) + size(S[4]) * root(size(I[14])) + size(S[5]) * root(size(I[20]))
     )  # fmt: skip
-    return 1.0 / (beta_inv * root * root)
+    return 1.0 / (beta_inv * terms * terms)
 
 
 @inlined

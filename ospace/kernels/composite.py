@@ -16,6 +16,8 @@ from __future__ import annotations
 import numpy as np
 
 from ospace.kernels.lanes import (
+    Row,
+    Table,
     add_to6,
     add_to21,
     entry,
@@ -41,16 +43,41 @@ from ospace.kernels.spatial import (
     sym6_inverse,
     sym6_mul,
 )
-from ospace.kernels.tables import Floats, Links, Points, Tree
+from ospace.kernels.tables import Floats, Ints, Links, Points, Tree
+
+
+@inlined
+def sum_momenta(I: Table, v: Table, L_0: Table) -> None:
+    """Momentum of all links about the base, to the one row of `L_0`."""
+    store6(L_0, 0, sym6_mul(load21(I, 0), load6(v, 0)))
+    for k in range(1, v.shape[0]):
+        add_to6(L_0, 0, sym6_mul(load21(I, k), load6(v, k)))
 
 
 @entry
 def momentum(tree: Tree) -> Floats:
     """Momentum of all links about the base, (6,)."""
-    L_0 = np.zeros((1, 6))
-    for k in range(tree.v.shape[0]):
-        add_to6(L_0, 0, sym6_mul(load21(tree.I, k), load6(tree.v, k)))
+    L_0 = np.empty((1, 6))
+    sum_momenta(tree.I, tree.v, L_0)
     return L_0.reshape(6)
+
+
+@inlined
+def compose(parent: Ints, S: Table, IC: Table, F: Table) -> None:
+    """Turn the inertias in `IC` into composite ones, and write I_i^C S_i to the rows of `F`."""
+    for i in range(parent.size - 1, 0, -1):
+        I = load21(IC, i)
+        store6(F, i, sym6_mul(I, load6(S, i)))
+        add_to21(IC, parent[i], I)
+
+
+@inlined
+def base_columns(IC: Table, F: Table, J_b_star: Table) -> Row:
+    """Columns of J_b* (27), to the rows of `J_b_star` (n + 1, 6); return (I_0^C)⁻¹."""
+    I_inv = sym6_inverse(load21(IC, 0))
+    for k in range(1, F.shape[0]):
+        store6(J_b_star, k, scale6(sym6_mul(I_inv, load6(F, k)), -1.0))
+    return I_inv
 
 
 @entry
@@ -58,14 +85,11 @@ def composite_inertia(links: Links, tree: Tree) -> tuple[Floats, Floats, Floats]
     """I^C (n + 1, 21), the columns I_i^C S_i of H_bm as rows (n + 1, 6; row 0 is zero), and H_m (n, n)."""
     n = links.parent.size - 1
     IC, F, H_m = tree.I.copy(), np.zeros((n + 1, 6)), np.zeros((n, n))
+    compose(links.parent, tree.S, IC, F)
     for i in range(n, 0, -1):
-        I = load21(IC, i)
-        f = sym6_mul(I, load6(tree.S, i))
-        store6(F, i, f)
-        add_to21(IC, links.parent[i], I)
         j = i
         while j > 0:
-            H_m[i - 1, j - 1] = H_m[j - 1, i - 1] = dot6(load6(tree.S, j), f)
+            H_m[i - 1, j - 1] = H_m[j - 1, i - 1] = dot6(load6(tree.S, j), load6(F, i))
             j = links.parent[j]
         H_m[i - 1, i - 1] += links.armature[i]
     return IC, F, H_m
@@ -74,12 +98,9 @@ def composite_inertia(links: Links, tree: Tree) -> tuple[Floats, Floats, Floats]
 @entry
 def base_generalized_jacobian(IC: Floats, F: Floats) -> tuple[Floats, Floats]:
     """J_b* (27) as rows (n, 6), and (I_0^C)⁻¹ as lower rows (1, 21)."""
-    I_inv = np.empty((1, 21))
-    store21(I_inv, 0, sym6_inverse(load21(IC, 0)))
-    J_b_star = np.empty((F.shape[0] - 1, 6))
-    for k in range(1, F.shape[0]):
-        store6(J_b_star, k - 1, scale6(sym6_mul(load21(I_inv, 0), load6(F, k)), -1.0))
-    return J_b_star, I_inv
+    I_inv, J_b_star = np.empty((1, 21)), np.empty((F.shape[0], 6))
+    store21(I_inv, 0, base_columns(IC, F, J_b_star))
+    return J_b_star[1:], I_inv
 
 
 @entry

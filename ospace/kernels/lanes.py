@@ -1,7 +1,7 @@
 """How a kernel is compiled, and how it reaches memory.
 
-A *number* is a ``float64``; kernels never say so, so that a row may one day hold another kind of number.
-A *row* of numbers comes out of memory as a tuple and goes back as one: ``S = load6(tree.S, i)``.
+A *number* is a ``float64``, or eight of them in the lanes of a vector register (`ospace.kernels.simd`); kernels never
+say which. A *row* of numbers comes out of memory as a tuple and goes back as one: ``S = load6(tree.S, i)``.
 
 Two decorators make every kernel of the package:
 
@@ -42,14 +42,8 @@ def inlined(function: Function) -> Function:
 def entry(function: Function) -> Function:
     """Compile `function` for calls from Python, with the result kept on disk."""
     with cache.keyed_on_sources() as writable:
-        compiled: Function = numba.njit(cache=writable, **_OPTIONS)(function)
+        compiled: Function = numba.njit(cache=writable, nogil=True, **_OPTIONS)(function)
     return compiled
-
-
-@inlined
-def like(value: float, number: Number) -> Number:
-    """`value` as the kind of number that `number` is."""
-    return value
 
 
 @inlined
@@ -125,6 +119,13 @@ def store6(rows: Table, i: int, x: Row) -> None:
     """Write the tuple of 6 to row `i`."""
     _put3(rows, i, 0, x[0:3])
     _put3(rows, i, 3, x[3:6])
+
+
+@inlined
+def store9(rows: Table, i: int, x: Row) -> None:
+    """Write the tuple of 9 to row `i`."""
+    store6(rows, i, x[0:6])
+    _put3(rows, i, 6, x[6:9])
 
 
 @inlined

@@ -15,7 +15,8 @@ transform of the paper between links is the identity; only operational points li
 
 from __future__ import annotations
 
-from ospace.kernels.lanes import Number, Row, inlined, like
+from ospace.kernels.lanes import Number, Row, inlined
+from ospace.kernels.simd import like
 
 # -- three-dimensional ---------------------------------------------------------------------------------------
 
@@ -127,6 +128,12 @@ def linear(a: Row) -> Row:
 @inlined
 def angular(a: Row) -> Row:
     return a[3:6]
+
+
+@inlined
+def cross_motion(v: Row, m: Row) -> Row:
+    """V ×̂ m for a motion m: [ω̃ ṽ; 0 ω̃] m."""
+    return add3(cross(angular(v), linear(m)), cross(linear(v), angular(m))) + cross(angular(v), angular(m))
 
 
 @inlined
@@ -270,6 +277,23 @@ def mat6_add_outer(K: Row, u: Row, w: Row) -> Row:
     return (
         add6(K[0:6], scale6(w, u[0])) + add6(K[6:12], scale6(w, u[1])) + add6(K[12:18], scale6(w, u[2]))
         + add6(K[18:24], scale6(w, u[3])) + add6(K[24:30], scale6(w, u[4])) + add6(K[30:36], scale6(w, u[5]))
+    )  # fmt: skip
+
+
+@inlined
+def mat6_add(A: Row, B: Row) -> Row:
+    return (
+        add6(A[0:6], B[0:6]) + add6(A[6:12], B[6:12]) + add6(A[12:18], B[12:18])
+        + add6(A[18:24], B[18:24]) + add6(A[24:30], B[24:30]) + add6(A[30:36], B[30:36])
+    )  # fmt: skip
+
+
+@inlined
+def mat6_product(A: Row, B: Row) -> Row:
+    """A B."""
+    return (
+        mul_mat6(A[0:6], B) + mul_mat6(A[6:12], B) + mul_mat6(A[12:18], B)
+        + mul_mat6(A[18:24], B) + mul_mat6(A[24:30], B) + mul_mat6(A[30:36], B)
     )  # fmt: skip
 
 

@@ -1,0 +1,264 @@
+"""Operational-space dynamics of many states at once: one state in each lane of the processor, chunks over its cores."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from ospace.dynamics.generalized_jacobian import generalized_jacobian
+from ospace.dynamics.joint_space import momentum
+from ospace.dynamics.operational_space import operational_space
+from ospace.exceptions import OspaceError
+from ospace.kernels import evaluation, simd
+from ospace.kernels.tables import Floats
+from ospace.link_frames import flatten
+from ospace.points import OperationalPoint, PointSet, point_set
+from ospace.robot import SpaceRobot
+
+CHUNK = 512
+_BITS = {
+    "inertia_inverse": evaluation.MOBILITY,
+    "inertia_inverse_packed": evaluation.MOBILITY,
+    "inertia": evaluation.MOBILITY | evaluation.INERTIA,
+    "bias_acceleration": evaluation.MOBILITY | evaluation.BIAS,
+    "bias_force": evaluation.MOBILITY | evaluation.INERTIA | evaluation.BIAS,
+    "generalized_jacobian": evaluation.FLOATING,
+    "smallest_singular_value": evaluation.FLOATING,
+    "momentum": evaluation.FLOATING,
+}
+QUANTITIES = tuple(_BITS)
+_NOTHING = {
+    "inertia_inverse": np.empty((0, 0, 0)),
+    "inertia_inverse_packed": np.empty((0, 0)),
+    "inertia": np.empty((0, 0, 0)),
+    "bias_acceleration": np.empty((0, 0)),
+    "bias_force": np.empty((0, 0)),
+    "generalized_jacobian": np.empty((0, 0, 0)),
+    "momentum": np.empty((0, 0)),
+}
+
+
+@dataclass(frozen=True)
+class OperationalSpaceBatch:
+    """Results of many states, leading axis N; None where a quantity was not asked for.
+
+    Rows of a state that cannot be computed hold zeros, and its number stands in `bad`.
+
+    Attributes
+    ----------
+    inertia_inverse, inertia : (N, r, r)
+        Γ_e⁻¹ and Γ_e.
+    inertia_inverse_packed : (N, r (r + 1)/2)
+        Lower rows of Γ_e⁻¹, one after the other.
+    bias_acceleration, bias_force : (N, r)
+        μ and μ_e.
+    generalized_jacobian : (N, r, n)
+        J_m*.
+    smallest_singular_value : (N,)
+        σ_min of J_m*: zero at a dynamic singularity. Comes with `generalized_jacobian`, from which LAPACK takes it.
+    momentum : (N, 6)
+        M_0.
+    bad : (k,) int array
+        States with numbers that are not finite, a quaternion far from unit length, or a joint without inertia.
+    """
+
+    inertia_inverse: Floats | None = None
+    inertia_inverse_packed: Floats | None = None
+    inertia: Floats | None = None
+    bias_acceleration: Floats | None = None
+    bias_force: Floats | None = None
+    generalized_jacobian: Floats | None = None
+    smallest_singular_value: Floats | None = None
+    momentum: Floats | None = None
+    bad: npt.NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+
+
+def operational_space_batch(
+    robot: SpaceRobot,
+    points: OperationalPoint | Sequence[OperationalPoint],
+    Q: npt.ArrayLike,
+    V: npt.ArrayLike | None = None,
+    quantities: Sequence[str] = ("inertia_inverse",),
+    out: Mapping[str, Floats] | None = None,
+    threads: int | None = None,
+) -> OperationalSpaceBatch:
+    """Compute operational-space quantities of many states.
+
+    Parameters
+    ----------
+    robot : SpaceRobot
+    points : OperationalPoint or sequence of them
+        r rows in the order given.
+    Q, V : (N, nq), (N, nv)
+        Configurations and velocities as of `SpaceRobot.state`; velocities are zero without `V`.
+    quantities : sequence of str
+        Attributes of the result to compute.
+    out : mapping of str to array, optional
+        Arrays to write to, of the shapes above, double precision; a `numpy.memmap` keeps results that exceed memory
+        on disk.
+    threads : int, optional
+        At most so many; else ``OSPACE_NUM_THREADS`` or ``OMP_NUM_THREADS``, else the number of processors.
+
+    Returns
+    -------
+    OperationalSpaceBatch
+
+    Raises
+    ------
+    OspaceError
+        No point or another robot's, an unknown quantity, or arrays of the wrong shape. A bad state is no error: it is
+        in `bad`, and does not touch the others.
+
+    Notes
+    -----
+    Beyond the results, memory does not grow with N. Robots with joints of several degrees of freedom take the way of
+    single states.
+    """
+    given = point_set(robot, points)
+    for name in quantities:
+        if name not in QUANTITIES:
+            raise OspaceError(f"quantity '{name}' is unknown: give some of {', '.join(QUANTITIES)}")
+    Q = _states(Q, robot.nq, "Q", robot.name)
+    V = np.zeros((1, robot.nv)).repeat(len(Q), axis=0) if V is None else _states(V, robot.nv, "V", robot.name)
+    if len(V) != len(Q):
+        raise OspaceError(f"Q has {len(Q)} states and V has {len(V)}: give one velocity for each configuration")
+    if "smallest_singular_value" in quantities and "generalized_jacobian" not in quantities:
+        quantities = [*quantities, "generalized_jacobian"]
+    results = _arrays(robot, len(given.rows), len(Q), quantities, out or {})
+    work = _Work(robot, given, Q, V, results)
+    _over_threads(work, len(Q), _threads(threads))
+    return OperationalSpaceBatch(**results, bad=np.flatnonzero(work.status != evaluation.FINE))
+
+
+def _states(given: npt.ArrayLike, columns: int, name: str, robot: str) -> Floats:
+    try:
+        states = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise OspaceError(f"{name} is no array of numbers") from None
+    if states.ndim != 2 or states.shape[1] != columns:
+        raise OspaceError(f"{name} has shape {states.shape}; robot '{robot}' needs (N, {columns})")
+    return states
+
+
+def _arrays(
+    robot: SpaceRobot, r: int, N: int, quantities: Sequence[str], out: Mapping[str, Floats]
+) -> dict[str, Floats]:
+    """Return an array for each quantity, of `out` where it is given."""
+    shapes: dict[str, tuple[int, ...]] = {
+        "inertia_inverse": (N, r, r),
+        "inertia_inverse_packed": (N, r * (r + 1) // 2),
+        "inertia": (N, r, r),
+        "bias_acceleration": (N, r),
+        "bias_force": (N, r),
+        "generalized_jacobian": (N, r, robot.n_joints),
+        "smallest_singular_value": (N,),
+        "momentum": (N, 6),
+    }
+    results = {}
+    for name in quantities:
+        array = out[name] if name in out else np.zeros(shapes[name])
+        if array.shape != shapes[name] or array.dtype != np.float64 or not array.flags.c_contiguous:
+            raise OspaceError(f"out['{name}'] must be a C-contiguous float64 array of shape {shapes[name]}")
+        results[name] = array
+    return results
+
+
+def _threads(given: int | None) -> int:
+    if given is not None:
+        if given < 1:
+            raise OspaceError(f"threads is {given}: give at least 1")
+        return given
+    for name in ("OSPACE_NUM_THREADS", "OMP_NUM_THREADS"):
+        if os.environ.get(name, "").isdecimal() and int(os.environ[name]) > 0:
+            return int(os.environ[name])
+    return os.cpu_count() or 1
+
+
+def _over_threads(work: _Work, N: int, threads: int) -> None:
+    """Run all chunks; stop soon after Ctrl-C or an error."""
+    chunks = iter([slice(first, min(first + CHUNK, N)) for first in range(0, N, CHUNK)])
+    stop = threading.Event()
+    lock = threading.Lock()
+
+    def consume() -> None:
+        memory = work.memory()
+        while not stop.is_set():
+            with lock:
+                chunk = next(chunks, None)
+            if chunk is None:
+                return
+            work.run(chunk, memory)
+
+    with ThreadPoolExecutor(threads) as pool:
+        running = [pool.submit(consume) for _ in range(min(threads, -(-N // CHUNK)))]
+        try:
+            for one in running:
+                one.result()
+        finally:
+            stop.set()
+
+
+class _Work:
+    """What every chunk needs to know, and the status of every state."""
+
+    def __init__(self, robot: SpaceRobot, given: PointSet, Q: Floats, V: Floats, results: Mapping[str, Floats]) -> None:
+        self.robot, self.given, self.Q, self.V, self.results = robot, given, Q, V, results
+        self.status = np.zeros(len(Q), dtype=np.int64)
+        self.want = 0
+        for name in results:
+            self.want |= _BITS[name]
+        self.lanes = simd.widest()
+        self.flat = flatten(robot, given)
+        if self.flat is not None:
+            sizes = (robot.n_joints + 1, len(self.flat.nodes.parent), len(given.points), len(given.rows))
+            self.at, self.length = evaluation.layout(*sizes, robot.nq, robot.nv, self.lanes)
+            self.constants = evaluation.pack(self.flat)
+
+    def memory(self) -> Floats:
+        """Return working memory for one thread."""
+        return np.zeros(self.length if self.flat is not None else 0)
+
+    def run(self, chunk: slice, memory: Floats) -> None:
+        """Compute one chunk, in place."""
+        if self.flat is None:
+            self.status[chunk] = evaluation.BAD_INPUT
+        else:
+            parts = {name: self._part(name, chunk) for name in _NOTHING}
+            out = evaluation.Results(**parts, status=self.status[chunk])
+            Q, V = (np.ascontiguousarray(states[chunk]) for states in (self.Q, self.V))
+            evaluation.BY_WIDTH[self.lanes](Q, V, self.want, *self.constants, memory, self.at, out)
+        for s in chunk.start + np.flatnonzero(self.status[chunk] != evaluation.FINE):
+            self.status[s] = self._alone(int(s))
+        if "smallest_singular_value" in self.results:
+            J = self._part("generalized_jacobian", chunk)
+            values = np.linalg.svd(J, compute_uv=False)
+            self.results["smallest_singular_value"][chunk] = values.min(axis=1, initial=np.inf)
+
+    def _part(self, name: str, chunk: slice) -> Floats:
+        """Return the rows of a result that belong to `chunk`; none where it is not wanted."""
+        return self.results[name][chunk] if name in self.results else _NOTHING[name]
+
+    def _alone(self, s: int) -> int:
+        """Compute state `s` by itself: any joint type, dependent rows; zeros where it cannot be computed."""
+        try:
+            state = self.robot.state(self.Q[s], self.V[s])
+            one = operational_space(state, self.given.points)
+            values = {name: getattr(one, name) for name in ("inertia_inverse", "inertia")}
+            values |= {name: getattr(one, name) for name in ("bias_acceleration", "bias_force")}
+            values["inertia_inverse_packed"] = one.inertia_inverse[np.tril_indices(len(one.inertia))]
+            values["generalized_jacobian"] = generalized_jacobian(state, self.given.points).generalized_jacobian
+            values["momentum"] = momentum(state)
+        except OspaceError:
+            for result in self.results.values():
+                result[s] = 0.0
+            return evaluation.BAD_INPUT
+        for name, result in self.results.items():
+            if name in values:
+                result[s] = values[name]
+        return evaluation.FINE

@@ -1,0 +1,294 @@
+"""A number that is W numbers: one state in each lane of a processor's vector register.
+
+`Lanes(W)` is a numba type held in one LLVM vector of W doubles, with arithmetic. `table` looks at plain float64 memory
+as rows of such numbers. A kernel does not notice: ``rows[i, k]`` is a number,
+whichever kind. Interpreted, the same memory is indexed by NumPy and a number is an array of W.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from typing import Any
+
+import llvmlite.binding
+import numpy as np
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+from numba.extending import intrinsic, lower_builtin, models, overload, register_model
+from numba.np import arrayobj
+
+_DOUBLE = ir.DoubleType()
+_FLAGS = ("contract", "reassoc", "nsz", "arcp")
+
+
+class Lanes(types.Type):
+    """W doubles in one vector."""
+
+    def __init__(self, width: int) -> None:
+        self.width = width
+        super().__init__(name=f"Lanes({width})")
+
+
+@register_model(Lanes)
+class _LanesModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, kind: Lanes) -> None:
+        super().__init__(manager, kind, ir.VectorType(_DOUBLE, kind.width))
+
+
+WIDTHS = {width: Lanes(width) for width in (2, 4, 8)}
+
+
+def _splat(builder: Any, x: Any, width: int) -> Any:
+    """All lanes alike."""
+    kind = ir.VectorType(_DOUBLE, width)
+    nothing = ir.Constant(kind, ir.Undefined)
+    first = builder.insert_element(nothing, x, ir.Constant(ir.IntType(32), 0))
+    return builder.shuffle_vector(first, nothing, ir.Constant(ir.VectorType(ir.IntType(32), width), [0] * width))
+
+
+def _both_as_lanes(context: Any, builder: Any, sig: Any, args: Any) -> list[Any]:
+    width = sig.return_type.width
+    return [
+        x if isinstance(kind, Lanes) else _splat(builder, context.cast(builder, x, kind, types.float64), width)
+        for x, kind in zip(args, sig.args, strict=True)
+    ]
+
+
+def _binary(key: Callable[..., Any], method: str) -> None:
+    class Typing(AbstractTemplate):
+        def generic(self, args: Any, kws: Any) -> Any:
+            lanes = [kind for kind in args if isinstance(kind, Lanes)]
+            others = [kind for kind in args if not isinstance(kind, Lanes)]
+            if len(args) == 2 and lanes and all(isinstance(kind, types.Number) for kind in others):
+                return signature(lanes[0], *args)
+            return None
+
+    Typing.key = key
+    infer_global(key)(Typing)
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return getattr(builder, method)(*_both_as_lanes(context, builder, sig, args), flags=_FLAGS)
+
+    for kinds in ((Lanes, Lanes), (Lanes, types.Number), (types.Number, Lanes)):
+        lower_builtin(key, *kinds)(lower)
+
+
+for _key, _method in (
+    (operator.add, "fadd"),
+    (operator.sub, "fsub"),
+    (operator.mul, "fmul"),
+    (operator.truediv, "fdiv"),
+    (operator.iadd, "fadd"),
+):
+    _binary(_key, _method)
+
+
+@infer_global(operator.neg)
+class _Negative(AbstractTemplate):
+    def generic(self, args: Any, kws: Any) -> Any:
+        return signature(args[0], args[0]) if isinstance(args[0], Lanes) else None
+
+
+@lower_builtin(operator.neg, Lanes)
+def _lower_negative(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return builder.fneg(args[0])
+
+
+def _call(name: str, builder: Any, args: Any) -> Any:
+    """Call LLVM's function `name` on numbers of either kind."""
+    kind = args[0].type
+    suffix = f"v{kind.count}f64" if isinstance(kind, ir.VectorType) else "f64"
+    function_type = ir.FunctionType(kind, [kind] * len(args))
+    called = cgutils.get_or_insert_function(builder.module, function_type, f"llvm.{name}.{suffix}")
+    return builder.call(called, args)
+
+
+@intrinsic
+def _sqrt(typing: Any, x: Any) -> Any:
+    return x(x), lambda context, builder, sig, args: _call("sqrt", builder, args)
+
+
+@intrinsic
+def _fabs(typing: Any, x: Any) -> Any:
+    return x(x), lambda context, builder, sig, args: _call("fabs", builder, args)
+
+
+@intrinsic
+def _floor(typing: Any, x: Any) -> Any:
+    return x(x), lambda context, builder, sig, args: _call("floor", builder, args)
+
+
+@intrinsic
+def _minnum(typing: Any, x: Any, y: Any) -> Any:
+    return x(x, x), lambda context, builder, sig, args: _call("minnum", builder, args)
+
+
+def root(x: Any) -> Any:
+    """√x."""
+    return np.sqrt(x)
+
+
+def size(x: Any) -> Any:
+    """|x|."""
+    return np.abs(x)
+
+
+def floor(x: Any) -> Any:
+    """The largest whole number not above x."""
+    return np.floor(x)
+
+
+def least(x: Any, y: Any) -> Any:
+    """The smaller of two."""
+    return np.minimum(x, y)
+
+
+def largest(x: Any, y: Any) -> Any:
+    """The larger of two."""
+    return np.maximum(x, y)
+
+
+@overload(root, strict=False)
+def _root(x: Any) -> Any:
+    return lambda x: _sqrt(x)
+
+
+@overload(size, strict=False)
+def _size(x: Any) -> Any:
+    return lambda x: _fabs(x)
+
+
+@overload(floor, strict=False)
+def _floor_(x: Any) -> Any:
+    return lambda x: _floor(x)
+
+
+@intrinsic
+def _maxnum(typing: Any, x: Any, y: Any) -> Any:
+    return x(x, x), lambda context, builder, sig, args: _call("maxnum", builder, args)
+
+
+@overload(largest, strict=False)
+def _largest(x: Any, y: Any) -> Any:
+    return lambda x, y: _maxnum(x, y)
+
+
+@overload(least, strict=False)
+def _least(x: Any, y: Any) -> Any:
+    return lambda x, y: _minnum(x, y)
+
+
+def like(value: float, number: Any) -> Any:
+    """`value` as the kind of number that `number` is."""
+    return value
+
+
+@overload(like, strict=False)
+def _like(value: Any, number: Any) -> Any:
+    if isinstance(number, Lanes):
+        return lambda value, number: _repeat(value, number)
+    return lambda value, number: value
+
+
+@intrinsic
+def _repeat(typing: Any, value: Any, number: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return _splat(builder, args[0], number.width)
+
+    return number(types.float64, number), generate
+
+
+def zeros(width: int) -> Any:
+    """Zero as a number of `width` lanes, a literal; a plain float for 1."""
+    return 0.0 if width == 1 else np.zeros(width)
+
+
+@overload(zeros, strict=False, prefer_literal=True)
+def _zeros(width: Any) -> Any:
+    return lambda width: _nothing(width)
+
+
+@intrinsic(prefer_literal=True)
+def _nothing(typing: Any, width: Any) -> Any:
+    kind = WIDTHS.get(width.literal_value, types.float64)
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return cgutils.get_null_value(context.get_value_type(kind))
+
+    return kind(width), generate
+
+
+class _Values(np.ndarray):
+    """Numbers of several lanes that are read as values, as compiled kernels read them, not as views."""
+
+    def __getitem__(self, at: Any) -> Any:
+        found = super().__getitem__(at)
+        return np.array(found) if isinstance(at, tuple) else found
+
+    def __setitem__(self, at: Any, value: Any) -> None:
+        self.view(np.ndarray)[at] = value  # NumPy would go through __getitem__
+
+
+def table(memory: Any, start: int, rows: int, columns: int, number: Any) -> Any:
+    """Look at a stretch of flat memory, from `start` on, as a table of numbers such as `number`."""
+    lanes = np.shape(number)
+    end = start + rows * columns * (lanes[0] if lanes else 1)
+    return memory[start:end].reshape((rows, columns, *lanes)).view(_Values if lanes else np.ndarray)
+
+
+@overload(table, strict=False)
+def _table(memory: Any, start: Any, rows: Any, columns: Any, number: Any) -> Any:
+    return lambda memory, start, rows, columns, number: _view(memory, start, rows, columns, number)
+
+
+@intrinsic
+def _view(typing: Any, memory: Any, start: Any, rows: Any, columns: Any, number: Any) -> Any:
+    # not aligned: NumPy promises 16 bytes, a vector of eight wants 64
+    seen = types.Array(number, 2, "C", aligned=False)
+    bytes_each = 8 * getattr(number, "width", 1)
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        flat, first, n_rows, n_columns, _ = args
+        source = context.make_array(memory)(context, builder, flat)
+        result = context.make_array(seen)(context, builder)
+        data = builder.bitcast(builder.gep(source.data, [first]), result.data.type)
+        itemsize = context.get_constant(types.intp, bytes_each)
+        strides = [builder.mul(n_columns, itemsize), itemsize]
+        # no owner: the memory outlives the call, and counting references takes longer than the arithmetic
+        arrayobj.populate_array(result, data, [n_rows, n_columns], strides, itemsize, None, None)
+        return result._getvalue()
+
+    return seen(memory, types.intp, types.intp, types.intp, number), generate
+
+
+def part(whole: Any, start: int, length: int) -> Any:
+    """Look at a stretch of a flat array of whole numbers."""
+    return whole[start : start + length]
+
+
+@overload(part, strict=False)
+def _part(whole: Any, start: Any, length: Any) -> Any:
+    return lambda whole, start, length: _stretch(whole, start, length)
+
+
+@intrinsic
+def _stretch(typing: Any, whole: Any, start: Any, length: Any) -> Any:
+    seen = types.Array(whole.dtype, 1, "C")
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        source = context.make_array(whole)(context, builder, args[0])
+        result = context.make_array(seen)(context, builder)
+        itemsize = context.get_constant(types.intp, 8)
+        data = builder.gep(source.data, [args[1]])
+        arrayobj.populate_array(result, data, [args[2]], [itemsize], itemsize, None, None)
+        return result._getvalue()
+
+    return seen(whole, types.intp, types.intp), generate
+
+
+def widest() -> int:
+    """How many doubles this machine's processor takes in one vector."""
+    features = llvmlite.binding.get_host_cpu_features()
+    return 8 if features.get("avx512f") else 4 if features.get("avx") else 2
