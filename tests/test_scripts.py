@@ -1,0 +1,25 @@
+"""Every example runs, and says something."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SCRIPTS = sorted((Path(__file__).parents[1] / "scripts").glob("*.py"))
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
+def test_script(script):
+    done = subprocess.run(
+        [sys.executable, "-W", "error", script], capture_output=True, text=True, timeout=300, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert len(done.stdout.splitlines()) > 3
+
+
+def test_the_published_singularity_is_among_those_found():
+    script = next(script for script in SCRIPTS if script.stem == "dynamic_singularities")
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=300, check=True)
+    found = {row.split()[0]: [float(word) for word in row.split()[1:]] for row in done.stdout.splitlines()[1:]}
+    assert any(abs(angle + 11.41) < 0.01 for angle in found["-65"])
