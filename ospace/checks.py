@@ -26,4 +26,6 @@ def checked_vector(given: npt.ArrayLike, size: int, name: str, robot: str) -> Fl
 def all_finite(results: tuple[Floats, ...], what: str) -> None:
     """Raise `OspaceError` if a result is not finite: inputs so large that the arithmetic overflowed."""
     if not all(np.isfinite(result).all() for result in results):
-        raise OspaceError(f"{what} is not finite: positions or velocities of this state are too large to compute with")
+        raise OspaceError(
+            f"{what} is not finite: masses, lengths, positions or velocities are too large or too small to compute with"
+        )

@@ -71,7 +71,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
         result = report.Report(None, error.findings, seed=given.seed)
     else:
         points = [robot.point(name) for name in given.point or robot.leaf_links]
-        with _progress(given.samples) as advance:
+        with _progress(given) as advance:
             result = report.check(robot, points, samples=given.samples, seed=given.seed, progress=advance)
     text = json.dumps(result.as_dict(), indent=2, allow_nan=False) + "\n" if given.json else _text(result, given.urdf)
     return EXIT_FINDINGS if result.errors else 0, text
@@ -87,7 +87,7 @@ def _find(urdf: str) -> Path:
 
 
 @contextmanager
-def _progress(states: int) -> Iterator[Callable[[int], None]]:
+def _progress(given: argparse.Namespace) -> Iterator[Callable[[int], None]]:
     """Show a bar on the terminal, on standard error; nothing in a pipe but that kernels are being compiled."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
@@ -103,9 +103,10 @@ def _progress(states: int) -> Iterator[Callable[[int], None]]:
         print("ospace: no folder to keep compiled kernels in: set OSPACE_CACHE_DIR to one", file=sys.stderr)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task(what, total=states)
+        task = bar.add_task(what, total=given.samples)
 
         def advance(done: int) -> None:
+            given.refuse_if_interrupted()
             bar.update(task, completed=done, description="comparing states")
 
         yield advance

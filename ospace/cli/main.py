@@ -47,10 +47,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with _interrupts() as refuse_if_interrupted:
             given = parser().parse_args(arguments)
+            given.refuse_if_interrupted = refuse_if_interrupted
             status, text = given.run(given)
             refuse_if_interrupted()
-            print(text, end="", flush=True)
-        return int(status)
+        return _printed(text, int(status))
     except OspaceError as error:
         print(f"ospace: error: {error}", file=sys.stderr)
         return EXIT_USAGE
@@ -58,15 +58,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("ospace: interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
     except OSError as error:
+        print(f"ospace: error: {error}", file=sys.stderr)
+        return EXIT_USAGE
+
+
+def _printed(text: str, status: int) -> int:
+    """Print; return `status`, or another where the text cannot be written."""
+    try:
+        print(text, end="", flush=True)
+    except OSError as error:
         if not isinstance(error, BrokenPipeError):  # where the reader of a pipe has gone, there is no one to tell
             print(f"ospace: error: cannot write the result: {error.strerror}", file=sys.stderr)
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nothing may be written at exit either
         return EXIT_USAGE
+    return status
 
 
 @contextmanager
 def _interrupts() -> Iterator[Callable[[], None]]:
-    """Remember Ctrl-C: some libraries swallow the exception while they are imported."""
+    """Remember Ctrl-C: imports and finalizers swallow the exception, and the latter print it; yield what raises it."""
     seen: list[int] = []
 
     def remember(number: int, frame: object) -> None:
@@ -77,12 +87,18 @@ def _interrupts() -> Iterator[Callable[[], None]]:
         if seen:
             raise KeyboardInterrupt
 
+    def tell(ignored: sys.UnraisableHookArgs) -> None:
+        if not issubclass(ignored.exc_type, KeyboardInterrupt):
+            sys.__unraisablehook__(ignored)
+
     try:
         before = signal.signal(signal.SIGINT, remember)
     except ValueError:  # not the main thread, which alone is interrupted
         yield refuse
         return
+    sys.unraisablehook, told = tell, sys.unraisablehook
     try:
         yield refuse
     finally:
+        sys.unraisablehook = told
         signal.signal(signal.SIGINT, before)

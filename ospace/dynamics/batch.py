@@ -61,7 +61,8 @@ class OperationalSpaceBatch:
     generalized_jacobian : (N, r, n)
         J_m*.
     smallest_singular_value : (N,)
-        σ_min of J_m*: zero at a dynamic singularity. Comes with `generalized_jacobian`, from which LAPACK takes it.
+        σ_min of J_m*, the last of its min(r, n) singular values: zero at a dynamic singularity. Comes with
+        `generalized_jacobian`, from which LAPACK takes it.
     momentum : (N, 6)
         M_0.
     bad : (k,) int array
@@ -121,15 +122,16 @@ def operational_space_batch(
     single states.
     """
     given = point_set(robot, points)
-    for name in quantities:
+    quantities = (quantities,) if isinstance(quantities, str) else tuple(quantities)
+    for name in (*quantities, *(out or {})):
         if name not in QUANTITIES:
             raise OspaceError(f"quantity '{name}' is unknown: give some of {', '.join(QUANTITIES)}")
     Q = _states(Q, robot.nq, "Q", robot.name)
-    V = np.zeros((1, robot.nv)).repeat(len(Q), axis=0) if V is None else _states(V, robot.nv, "V", robot.name)
+    V = np.broadcast_to(np.zeros(robot.nv), (len(Q), robot.nv)) if V is None else _states(V, robot.nv, "V", robot.name)
     if len(V) != len(Q):
         raise OspaceError(f"Q has {len(Q)} states and V has {len(V)}: give one velocity for each configuration")
     if "smallest_singular_value" in quantities and "generalized_jacobian" not in quantities:
-        quantities = [*quantities, "generalized_jacobian"]
+        quantities = (*quantities, "generalized_jacobian")
     results = _arrays(robot, len(given.rows), len(Q), quantities, out or {})
     work = _Work(robot, given, Q, V, results)
     _over_threads(work, len(Q), _threads(threads))
@@ -163,16 +165,17 @@ def _arrays(
     results = {}
     for name in quantities:
         array = out[name] if name in out else np.zeros(shapes[name])
-        if array.shape != shapes[name] or array.dtype != np.float64 or not array.flags.c_contiguous:
-            raise OspaceError(f"out['{name}'] must be a C-contiguous float64 array of shape {shapes[name]}")
+        fits = isinstance(array, np.ndarray) and array.shape == shapes[name] and array.dtype == np.float64
+        if not fits or not array.flags.c_contiguous or not array.flags.writeable:
+            raise OspaceError(f"out['{name}'] must be a writable C-contiguous float64 array of shape {shapes[name]}")
         results[name] = array
     return results
 
 
 def _threads(given: int | None) -> int:
     if given is not None:
-        if given < 1:
-            raise OspaceError(f"threads is {given}: give at least 1")
+        if not isinstance(given, int) or given < 1:
+            raise OspaceError(f"threads is {given!r}: give a whole number from 1 on")
         return given
     for name in ("OSPACE_NUM_THREADS", "OMP_NUM_THREADS"):
         if os.environ.get(name, "").isdecimal() and int(os.environ[name]) > 0:
@@ -238,7 +241,7 @@ class _Work:
         if "smallest_singular_value" in self.results:
             J = self._part("generalized_jacobian", chunk)
             values = np.linalg.svd(J, compute_uv=False)
-            self.results["smallest_singular_value"][chunk] = values.min(axis=1, initial=np.inf)
+            self.results["smallest_singular_value"][chunk] = values.min(axis=1) if values.shape[1] else 0.0
 
     def _part(self, name: str, chunk: slice) -> Floats:
         """Return the rows of a result that belong to `chunk`; none where it is not wanted."""
@@ -248,12 +251,15 @@ class _Work:
         """Compute state `s` by itself: any joint type, dependent rows; zeros where it cannot be computed."""
         try:
             state = self.robot.state(self.Q[s], self.V[s])
-            one = operational_space(state, self.given.points)
-            values = {name: getattr(one, name) for name in ("inertia_inverse", "inertia")}
-            values |= {name: getattr(one, name) for name in ("bias_acceleration", "bias_force")}
-            values["inertia_inverse_packed"] = one.inertia_inverse[np.tril_indices(len(one.inertia))]
-            values["generalized_jacobian"] = generalized_jacobian(state, self.given.points).generalized_jacobian
-            values["momentum"] = momentum(state)
+            values: dict[str, Floats] = {}
+            if self.want & evaluation.MOBILITY:
+                one = operational_space(state, self.given.points)
+                values |= {name: getattr(one, name) for name in ("inertia_inverse", "inertia")}
+                values |= {name: getattr(one, name) for name in ("bias_acceleration", "bias_force")}
+                values["inertia_inverse_packed"] = one.inertia_inverse[np.tril_indices(len(one.inertia))]
+            if self.want & evaluation.FLOATING:
+                values["generalized_jacobian"] = generalized_jacobian(state, self.given.points).generalized_jacobian
+                values["momentum"] = momentum(state)
         except OspaceError:
             for result in self.results.values():
                 result[s] = 0.0

@@ -160,6 +160,16 @@ class Dense:
         return np.asarray(0.5 * (Gamma_e_inv + Gamma_e_inv.T))
 
     @cached_property
+    def rank(self) -> int:
+        """Rank of the rows, from the singular values of J_e with inertias and mobilities scaled out."""
+        return rank_of(self.J_e, np.diag(self.Gamma_e_inv), np.diag(self.H))
+
+    @cached_property
+    def Gamma_e(self) -> Floats:
+        """Γ_e; the pseudo-inverse where rows depend on each other."""
+        return inverse_of_rank(self.Gamma_e_inv, self.rank)
+
+    @cached_property
     def mu(self) -> Floats:
         """μ = J_e H⁻¹ c − J̇_e ẋ: (10) without its factor Γ_e."""
         return np.asarray(self.response.T @ self.c - self.drift)
@@ -181,10 +191,35 @@ class Dense:
         return np.asarray(0.5 * (Lambda_inv + Lambda_inv.T))
 
     @cached_property
+    def floating_rank(self) -> int:
+        """Rank of Λ⁻¹, likewise from J_m*."""
+        return rank_of(self.J_m_star, np.diag(self.Gamma_e_inv), np.diag(self.H_m_star))
+
+    @cached_property
+    def Lambda(self) -> Floats:
+        """Λ; the pseudo-inverse where joints cannot move the rows independently."""
+        return inverse_of_rank(self.Lambda_inv, self.floating_rank)
+
+    @cached_property
     def Lambda_b_inv(self) -> Floats:
         """J_b H_b⁻¹ J_bᵀ (12)."""
         J_b = self.J_e[:, :6]
         return np.asarray(J_b @ solve(self.H[:6, :6], J_b.T))
+
+
+def rank_of(J: Floats, mobility: Floats, inertia: Floats) -> int:
+    """Return the rank of `J`, rows over √mobility and columns over √inertia, singular values below 1e-6 being zero."""
+    values = np.linalg.svd(J / np.sqrt(np.outer(mobility, inertia)), compute_uv=False)
+    return int((values > 1e-6 * max(1.0, values.max(initial=0.0))).sum())
+
+
+def inverse_of_rank(A: Floats, rank: int) -> Floats:
+    """Return A⁻¹, or the Moore–Penrose pseudo-inverse of the part of `A` of that rank."""
+    if rank == len(A):
+        return solve(A, np.eye(len(A)))
+    left, values, right = np.linalg.svd(A)
+    X: Floats = right[:rank].T / values[:rank] @ left[:, :rank].T
+    return X
 
 
 def solve(H: Floats, B: Floats) -> Floats:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ospace.checks import all_finite, checked_vector
+from ospace.checks import checked_vector
 from ospace.dynamics.operational_space import operational_space
 from ospace.exceptions import OspaceError
 from ospace.kernels import evaluation
@@ -17,7 +17,7 @@ from ospace.link_frames import flatten
 from ospace.points import OperationalPoint, point_set
 from ospace.robot import SpaceRobot
 
-QUANTITIES = ("inertia_inverse", "inertia", "bias_acceleration", "bias_force")
+QUANTITIES = ("inertia_inverse", "inertia", "bias_acceleration", "bias_force", "jacobian")
 
 
 class OperationalSpaceEvaluator:
@@ -32,7 +32,8 @@ class OperationalSpaceEvaluator:
     points : OperationalPoint or sequence of them
         r rows in the order given.
     quantities : sequence of str
-        What `update` computes: "inertia_inverse" always; "inertia", "bias_acceleration" and "bias_force" cost extra.
+        What `update` computes: "inertia_inverse" always; "inertia", "bias_acceleration", "bias_force" and "jacobian"
+        cost extra.
 
     Attributes
     ----------
@@ -40,8 +41,12 @@ class OperationalSpaceEvaluator:
         Γ_e⁻¹ and Γ_e; at `rank` < r the pseudo-inverse on the numerical range.
     bias_acceleration, bias_force : (r,)
         μ and μ_e.
-    rank : int
-        Rank of Γ_e⁻¹.
+    jacobian : (r, nv)
+        J_e, base columns for ẋ_b in inertial axes.
+    rank : int or None
+        Rank of Γ_e⁻¹; None where neither `inertia` nor `bias_force` is asked for, since it is found by inverting.
+
+    What is not asked for is None.
 
     Raises
     ------
@@ -60,6 +65,7 @@ class OperationalSpaceEvaluator:
         points: OperationalPoint | Sequence[OperationalPoint],
         quantities: Sequence[str] = QUANTITIES,
     ) -> None:
+        quantities = (quantities,) if isinstance(quantities, str) else quantities
         for name in quantities:
             if name not in QUANTITIES:
                 raise OspaceError(f"quantity '{name}' is unknown: give some of {', '.join(QUANTITIES)}")
@@ -67,12 +73,12 @@ class OperationalSpaceEvaluator:
         self._given = point_set(robot, points)
         self.quantities = tuple(quantities)
         rows = len(self._given.rows)
-        self.rank = rows
         self._still = np.zeros(robot.nv)
         self._evaluate: Callable[..., int] = evaluation.evaluate
         wanted = set(quantities)
         self._want = evaluation.MOBILITY
         self._want |= evaluation.INERTIA * bool(wanted & {"inertia", "bias_force"})
+        self._want |= evaluation.JACOBIAN * ("jacobian" in wanted)
         self._want |= evaluation.BIAS * bool(wanted & {"bias_acceleration", "bias_force"})
 
         flat = flatten(robot, self._given)
@@ -81,9 +87,12 @@ class OperationalSpaceEvaluator:
         self._at, length = evaluation.layout(robot.n_joints + 1, nodes, p, rows, robot.nq, robot.nv, 1)
         self._memory = np.zeros(length)
         self.inertia_inverse = self._result("inertia_inverse")
-        self.inertia = self._result("inertia")
-        self.bias_acceleration = self._result("bias_acceleration")[:, 0]
-        self.bias_force = self._result("bias_force")[:, 0]
+        inverted, biased = bool(self._want & evaluation.INERTIA), bool(self._want & evaluation.BIAS)
+        self.inertia = self._result("inertia") if inverted else None
+        self.bias_acceleration = self._result("bias_acceleration")[:, 0] if biased else None
+        self.bias_force = self._result("bias_force")[:, 0] if inverted and biased else None
+        self.jacobian = self._result("jacobian") if "jacobian" in wanted else None
+        self.rank: int | None = rows if inverted else None
         self._arguments: tuple[Any, ...] = ()
         if flat is not None:
             self._arguments = (self._want, *evaluation.pack(flat), self._memory, self._at)
@@ -115,7 +124,8 @@ class OperationalSpaceEvaluator:
                 v = checked_vector(v, self.robot.nv, "v", self.robot.name)
                 status = self._evaluate(q, v, *self._arguments)
             if status == evaluation.FINE:
-                self.rank = len(self.inertia_inverse)
+                if self.rank is not None:
+                    self.rank = len(self.inertia_inverse)
                 return self
         return self._update_by_state(q, v)
 
@@ -123,9 +133,11 @@ class OperationalSpaceEvaluator:
         """Go the way of `operational_space`: any joint type, any rank, and errors that say what is wrong."""
         result = operational_space(self.robot.state(q, v), self._given.points)
         for name in QUANTITIES:
-            getattr(self, name)[...] = getattr(result, name)
-        self.rank = result.rank
-        all_finite((self.inertia, self.bias_force), "the operational-space dynamics")
+            own = getattr(self, name)
+            if own is not None:
+                own[...] = getattr(result, name)
+        if self.rank is not None:
+            self.rank = result.rank
         return self
 
 

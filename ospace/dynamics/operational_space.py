@@ -15,13 +15,11 @@ from ospace.dynamics.joint_space import composite_bodies
 from ospace.dynamics.ranges import inverse_on_range
 from ospace.exceptions import DependentRowsError, OspaceError, SingularInertiaError
 from ospace.kernels import inverted, operational
+from ospace.kernels.articulated import NO_INERTIA
 from ospace.kernels.tables import Floats
 from ospace.points import OperationalPoint, PointSet, point_set
 from ospace.state import State
 
-NO_INERTIA = 1e-13
-"""A joint whose share of inertia (`ospace.kernels.articulated.inertia_share`) is smaller moves nothing: three digits
-above rounding, so what would follow is noise."""
 METHODS = ("forward", "inverted", "dense")
 
 
@@ -98,13 +96,15 @@ def operational_space(
 
     Notes
     -----
+    The inverted chain gives Γ_e and μ_e; `response` is the forward chain's under that method too.
     Rows that depend on each other are told by the Jacobian: see `ospace.dynamics.ranges.RANK_CUTOFF`.
     """
     if method not in METHODS:
         raise OspaceError(f"method '{method}' is unknown: give one of {', '.join(METHODS)}")
     given = point_set(state.robot, points)
+    known: tuple[Floats, Floats] | None = None
     if method == "inverted":
-        Gamma_inv, mu = _inverted(state, given)
+        Gamma_inv, mu, known = _inverted(state, given)
         response = forward_chain(state, given)[2]
         J_e = point_jacobian(state, given)
     elif method == "dense":
@@ -120,12 +120,14 @@ def operational_space(
     Gamma, rank, dependent = inverse_on_range(Gamma_inv, J_e, np.diag(Gamma_inv), H)
     if strict and rank < len(Gamma_inv):
         refuse_dependent(given, rank, dependent)
-    return OperationalSpace(Gamma, Gamma_inv, Gamma @ mu, mu, J_e, rank, response)
+    Gamma, mu_e = known or (Gamma, Gamma @ mu)
+    all_finite((Gamma, mu_e), "the operational-space dynamics")
+    return OperationalSpace(Gamma, Gamma_inv, mu_e, mu, J_e, rank, response)
 
 
 def refuse_dependent(given: PointSet, rank: int, dependent: Iterable[int]) -> None:
     """Raise the `DependentRowsError` that names the points of the dependent rows."""
-    names = [given.row_names[int(row)].rpartition(".")[0] for row in dependent]
+    names = [given.points[given.rows[row] // 6].frame for row in dependent]
     raise DependentRowsError(rank, len(given.rows), dict.fromkeys(names))
 
 
@@ -144,8 +146,8 @@ def _forward(state: State, given: PointSet) -> tuple[Floats, Floats, Floats, Flo
     return found
 
 
-def _inverted(state: State, given: PointSet) -> tuple[Floats, Floats]:
-    """Return Γ_e⁻¹ (r, r) and μ (r,) of one point by the inverted chain (33)–(36)."""
+def _inverted(state: State, given: PointSet) -> tuple[Floats, Floats, tuple[Floats, Floats] | None]:
+    """Return Γ_e⁻¹ (r, r) and μ (r,) by the inverted chain; if all rows are taken, Γ_e and μ_e as they come."""
     if len(given.points) != 1:
         raise OspaceError(f"the inverted chain takes one point, got {len(given.points)}: use method='forward'")
     Gamma, mu_e, share = inverted.inverted_chain(state.robot.links, given.table, state.placements, state.tree)
@@ -153,7 +155,8 @@ def _inverted(state: State, given: PointSet) -> tuple[Floats, Floats]:
     all_finite((Gamma, mu_e), "the operational-space dynamics")
     Gamma_inv = solve(Gamma, np.eye(6))
     Gamma_inv = 0.5 * (Gamma_inv + Gamma_inv.T)
-    return Gamma_inv[np.ix_(given.rows, given.rows)], (Gamma_inv @ mu_e)[given.rows]
+    known = (0.5 * (Gamma + Gamma.T), mu_e) if len(given.rows) == 6 else None
+    return Gamma_inv[np.ix_(given.rows, given.rows)], (Gamma_inv @ mu_e)[given.rows], known
 
 
 def _refuse_singular(state: State, share: Floats) -> None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ospace.kernels.lanes import Number, Row, add_to6, add_to21, inlined, load6, load21, store6
-from ospace.kernels.simd import root, size
+from ospace.kernels.simd import size
 from ospace.kernels.spatial import add6, cross_force, dot6, scale6, sub6, sym6_mul, sym6_outer, sym6_sub
 from ospace.kernels.tables import Articulated, Links, Tree
 
@@ -34,7 +34,7 @@ def inertia_across(I: Row, U: Row, beta_inv: Number) -> Row:
 
 @inlined
 def force_across(p: Row, U: Row, u: Number, beta_inv: Number) -> Row:
-    """P − U u/β: what is felt of the force p beyond the joint, u = Sᵀ p."""
+    """Return p − U u/β: what is felt of the force p beyond the joint, u = Sᵀ p."""
     return sub6(p, scale6(U, u * beta_inv))
 
 
@@ -53,14 +53,18 @@ def eliminate(links: Links, tree: Tree, body: Articulated, i: int) -> None:
     body.u[i] = u
 
 
+NO_INERTIA = 1e-13
+"""A joint whose share of inertia is smaller moves nothing: so near rounding, all that would follow is noise."""
+
+
 @inlined
-def inertia_share(I: Row, S: Row, beta_inv: Number) -> Number:
-    """β over the terms it is made of, (Σ |S_k| √I_kk)²: where it falls to rounding, the joint has no inertia left."""
+def inertia_share(I: Row, S: Row, beta: Number) -> Number:
+    """β over the terms that it is made of, Σ S_k² I_kk: where it falls to rounding, the joint has no inertia left."""
     terms = (
-        size(S[0]) * root(size(I[0])) + size(S[1]) * root(size(I[2])) + size(S[2]) * root(size(I[5]))
-        + size(S[3]) * root(size(I[9])) + size(S[4]) * root(size(I[14])) + size(S[5]) * root(size(I[20]))
+        S[0] * S[0] * size(I[0]) + S[1] * S[1] * size(I[2]) + S[2] * S[2] * size(I[5])
+        + S[3] * S[3] * size(I[9]) + S[4] * S[4] * size(I[14]) + S[5] * S[5] * size(I[20])
     )  # fmt: skip
-    return 1.0 / (beta_inv * terms * terms)
+    return beta / (terms + 1e-300)  # no terms, no inertia
 
 
 @inlined

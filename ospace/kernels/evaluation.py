@@ -7,7 +7,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from ospace.kernels import propagated, symmetric
+from ospace.kernels.articulated import NO_INERTIA
 from ospace.kernels.composite import base_columns, compose, sum_momenta
 from ospace.kernels.kinematics import CONTINUOUS, Frames, Joints, move_links, place_links
 from ospace.kernels.lanes import (
@@ -29,7 +32,7 @@ from ospace.kernels.spatial import add3, add6, motion_at, rotate, sym6_mul
 from ospace.kernels.tables import Floats, Ints
 
 FINE, BAD_INPUT, SINGULAR, DEPENDENT = 0, 1, 2, 3
-MOBILITY, INERTIA, BIAS, FLOATING = 1, 2, 4, 8  # what is wanted, bits: Γ_e⁻¹; Γ_e; μ, μ_e; J_m* and momentum
+MOBILITY, INERTIA, BIAS, FLOATING, JACOBIAN = 1, 2, 4, 8, 16  # what is wanted, bits: Γ_e⁻¹; Γ_e; μ; J_m*, M_0; J_e
 
 SMALLEST_PIVOT = 1e-10
 """Of the Cholesky factor of Γ_e⁻¹, over the diagonal: below it, rows of the points may depend on each other."""
@@ -77,17 +80,38 @@ class Work(NamedTuple):
     J_m_star: Table
     """(n, 6p): the columns of J_m* as rows."""
     momentum: Table
+    columns: Table
+    """(nv, 6p): the columns of J_e as rows."""
+    jacobian: Table
     scratch: Table
     health: Table
     """(1, 4): zero, or not a number where input or result is not finite; how far quaternions are from unit length; the
-    smallest β;
+    smallest share of inertia;
     the smallest pivot of Γ_e⁻¹."""
+
+
+(
+    _Q,
+    _VELOCITY,
+    _INERTIA_INVERSE,
+    _INERTIA,
+    _BIAS_ACCELERATION,
+    _BIAS_FORCE,
+    _J_M_STAR,
+    _MOMENTUM,
+    _SCRATCH,
+    _HEALTH,
+) = (
+    Work._fields.index(name)
+    for name in (
+        *("q", "velocity", "inertia_inverse", "inertia", "bias_acceleration", "bias_force", "J_m_star"),
+        *("momentum", "scratch", "health"),
+    )
+)
 
 
 def layout(links: int, nodes: int, points: int, rows: int, nq: int, nv: int, lanes: int) -> tuple[Ints, int]:
     """Return start, rows and columns of every table of `Work`, (tables, 3), and the length of the memory."""
-    import numpy as np
-
     shapes = Work(
         q=(nq, 1),
         velocity=(nv, 1),
@@ -114,6 +138,8 @@ def layout(links: int, nodes: int, points: int, rows: int, nq: int, nv: int, lan
         J_b_star=(links, 6),
         J_m_star=(links - 1, 6 * points),
         momentum=(1, 6),
+        columns=(nv, 6 * points),
+        jacobian=(rows, nv),
         scratch=(rows, rows if lanes > 1 else -(-rows // 8) * 8),
         health=(1, 4),
     )
@@ -160,6 +186,8 @@ def open_work(memory: Floats, at: Ints, number: Number) -> Work:
         open_table(memory, at, 24, number),
         open_table(memory, at, 25, number),
         open_table(memory, at, 26, number),
+        open_table(memory, at, 27, number),
+        open_table(memory, at, 28, number),
     )
 
 
@@ -204,6 +232,8 @@ def run(robot: Robot, w: Work, wide: Table, want: int) -> None:
     w.health[0, 2] = w.health[0, 3] = like(1.0, w.q[0, 0])
     if moving:
         move_links(joints, w.velocity, Frames(w.R, w.r), w.S, w.v, w.c)
+    if want & JACOBIAN:
+        differentiate(robot, w)
     if want & FLOATING:
         float_freely(robot, w)
     if want & (MOBILITY | INERTIA | BIAS):
@@ -240,11 +270,40 @@ def operate(robot: Robot, w: Work, wide: Table, want: int) -> None:
             w.health[0, 0] = w.health[0, 0] + 0.0 * w.bias_acceleration[i, 0]
     if want & INERTIA:
         w.health[0, 3] = symmetric.inverse(w.inertia_inverse, w.scratch, wide, w.inertia)
+    if want & INERTIA and want & BIAS:
         for i in range(robot.rows.size):
             s = like(0.0, w.q[0, 0])
             for j in range(robot.rows.size):
                 s = s + w.inertia[i, j] * w.bias_acceleration[j, 0]
             w.bias_force[i, 0] = s
+            w.health[0, 0] = w.health[0, 0] + 0.0 * s
+
+
+@inlined
+def differentiate(robot: Robot, w: Work) -> None:
+    """J_e: by columns in `w.columns`, then the rows taken."""
+    parent, nodes = robot.joints.parent, robot.nodes
+    o, i = like(0.0, w.q[0, 0]), like(1.0, w.q[0, 0])
+    zero6 = (o, o, o, o, o, o)
+    for n in range(1, nodes.parent.size):
+        e = nodes.point[n]
+        if e >= 0:
+            link = nodes.link[n]
+            p = add3(load3(w.r, link), rotate(load9(w.R, link), load3(nodes.offset, n)))
+            for k in range(w.columns.shape[0]):
+                store_part6(w.columns, k, 6 * e, zero6)
+            store_part6(w.columns, 0, 6 * e, (i, o, o, o, o, o))
+            store_part6(w.columns, 1, 6 * e, (o, i, o, o, o, o))
+            store_part6(w.columns, 2, 6 * e, (o, o, i, o, o, o))
+            store_part6(w.columns, 3, 6 * e, motion_at(p, (o, o, o, i, o, o)))
+            store_part6(w.columns, 4, 6 * e, motion_at(p, (o, o, o, o, i, o)))
+            store_part6(w.columns, 5, 6 * e, motion_at(p, (o, o, o, o, o, i)))
+            while link > 0:
+                store_part6(w.columns, link + 5, 6 * e, motion_at(p, load6(w.S, link)))
+                link = parent[link]
+    for j in range(robot.rows.size):
+        for k in range(w.columns.shape[0]):
+            w.jacobian[j, k] = w.columns[k, robot.rows[j]]
 
 
 @inlined
@@ -270,14 +329,19 @@ def float_freely(robot: Robot, w: Work) -> None:
                 column = motion_at(p, add6(load6(w.J_b_star, link), load6(w.S, link)))
                 store_part6(w.J_m_star, link - 1, 6 * e, column)
                 link = parent[link]
+    for k in range(6):
+        w.health[0, 0] = w.health[0, 0] + 0.0 * w.momentum[0, k]
+    for k in range(w.J_m_star.shape[0]):
+        for i in range(w.J_m_star.shape[1]):
+            w.health[0, 0] = w.health[0, 0] + 0.0 * w.J_m_star[k, i]
 
 
 @inlined
-def verdict(blemish: float, stray: float, beta: float, pivot: float) -> int:
+def verdict(blemish: float, stray: float, share: float, pivot: float) -> int:
     """What became of a state, by its health."""
     if not (blemish == 0.0 and stray <= UNIT_LENGTH):
         return BAD_INPUT
-    if not beta > 0.0:
+    if not share > NO_INERTIA:
         return SINGULAR
     return FINE if pivot > SMALLEST_PIVOT else DEPENDENT
 
@@ -311,8 +375,6 @@ def open_robot(integers: Ints, constants: Floats) -> Robot:
 
 def pack(robot: Robot) -> tuple[Ints, Floats]:
     """Lay the constants in two flat arrays: a call takes 50 ns for each array that it is given."""
-    import numpy as np
-
     joints, nodes = robot.joints, robot.nodes
     header = [[joints.parent.size, nodes.parent.size, robot.rows.size]]
     whole = [joints.parent, joints.kind, joints.first, nodes.of_link]
@@ -331,7 +393,7 @@ def evaluate(q: Floats, v: Floats, want: int, integers: Ints, constants: Floats,
         w.q[k, 0] = q[k]
     for k in range(v.size):
         w.velocity[k, 0] = v[k]
-    wide = table(memory, at[25, 0], at[25, 1], at[25, 2] // 8, zeros(8))
+    wide = table(memory, at[_SCRATCH, 0], at[_SCRATCH, 1], at[_SCRATCH, 2] // 8, zeros(8))
     run(robot, w, wide, want)
     return verdict(w.health[0, 0], w.health[0, 1], w.health[0, 2], w.health[0, 3])
 
@@ -390,18 +452,18 @@ def evaluate_lanes(
         for lane in range(lanes):
             s = min(first + lane, N - 1)
             for k in range(nq):
-                memory[at[0, 0] + k * lanes + lane] = Q[s, k]
+                memory[at[_Q, _Q] + k * lanes + lane] = Q[s, k]
             for k in range(nv):
-                memory[at[1, 0] + k * lanes + lane] = V[s, k]
+                memory[at[_VELOCITY, 0] + k * lanes + lane] = V[s, k]
         run(robot, w, w.scratch, want)
-        scatter(memory, at[16, 0], lanes, r * r, out.inertia_inverse, first)
-        scatter_packed(memory, at[16, 0], lanes, r, out.inertia_inverse_packed, first)
-        scatter(memory, at[17, 0], lanes, r * r, out.inertia, first)
-        scatter(memory, at[18, 0], lanes, r, out.bias_acceleration, first)
-        scatter(memory, at[19, 0], lanes, r, out.bias_force, first)
-        scatter_jacobian(memory, at[23, 0], lanes, robot.rows, points, out.generalized_jacobian, first)
-        scatter(memory, at[24, 0], lanes, 6, out.momentum, first)
-        health = at[26, 0]
+        scatter(memory, at[_INERTIA_INVERSE, 0], lanes, r * r, out.inertia_inverse, first)
+        scatter_packed(memory, at[_INERTIA_INVERSE, 0], lanes, r, out.inertia_inverse_packed, first)
+        scatter(memory, at[_INERTIA, 0], lanes, r * r, out.inertia, first)
+        scatter(memory, at[_BIAS_ACCELERATION, 0], lanes, r, out.bias_acceleration, first)
+        scatter(memory, at[_BIAS_FORCE, 0], lanes, r, out.bias_force, first)
+        scatter_jacobian(memory, at[_J_M_STAR, 0], lanes, robot.rows, points, out.generalized_jacobian, first)
+        scatter(memory, at[_MOMENTUM, 0], lanes, 6, out.momentum, first)
+        health = at[_HEALTH, 0]
         for lane in range(min(lanes, N - first)):
             out.status[first + lane] = verdict(
                 memory[health + lane],

@@ -61,11 +61,11 @@ def inverted_chain(links: Links, point: Points, placements: Floats, tree: Tree) 
     for i in range(n, 0, -1):
         if not on_path[i]:
             eliminate(links, tree, body, i)
-            share[i] = inertia_share(load21(body.I, i), load6(tree.S, i), body.beta_inv[i])
+            share[i] = inertia_share(load21(body.I, i), load6(tree.S, i), 1.0 / body.beta_inv[i])
     for step in range(point.depth[0]):
         i = point.path[0, step]
         hand_outward(links, tree, body, i)
-        share[i] = inertia_share(load21(body.I, links.parent[i]), load6(tree.S, i), body.beta_inv[i])
+        share[i] = inertia_share(load21(body.I, links.parent[i]), load6(tree.S, i), 1.0 / body.beta_inv[i])
 
     back = scale3(load3(position, 0), -1.0)
     Gamma = forces_from(back, mat6_transpose(forces_from(back, sym6_to_mat(load21(body.I, e)))))

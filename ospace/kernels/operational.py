@@ -173,7 +173,7 @@ def forward_chain(
 
     share = np.ones(n + 1)
     for i in range(1, n + 1):
-        share[i] = inertia_share(load21(body.I, i), load6(tree.S, i), body.beta_inv[i])
+        share[i] = inertia_share(load21(body.I, i), load6(tree.S, i), 1.0 / body.beta_inv[i])
     return Gamma_inv, acceleration, Y, share
 
 

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ospace.kernels.articulated import force_across, inertia_across
+from ospace.kernels.articulated import force_across, inertia_across, inertia_share
 from ospace.kernels.kinematics import Frames, Joints
 from ospace.kernels.lanes import (
     Number,
@@ -132,7 +132,7 @@ def load_links(I: Table, v: Table, p: Table) -> None:
 def sweep_inward(
     joints: Joints, nodes: Nodes, S: Table, I: Table, at: Spread, c: Table | None, p: Table | None, y: Table | None
 ) -> Number:
-    """Eliminate all links, the outermost first; `I` and `p` become articulated. Return the smallest β.
+    """Eliminate all links, the outermost first; `I` and `p` become articulated. Return the smallest share of inertia.
 
     `c`, `p` and `y` carry the bias; with None for each, none is computed.
     """
@@ -143,7 +143,7 @@ def sweep_inward(
         U = sym6_mul(I_i, S_i)
         beta = dot6(S_i, U) + joints.mass[i, 1]
         beta_inv = 1.0 / beta
-        smallest = least(smallest, beta)
+        smallest = least(smallest, inertia_share(I_i, S_i, beta))
         add_to21(I, h, inertia_across(I_i, U, beta_inv))
         K = load36(at.K, n)
         f = mat6_mul(K, S_i)

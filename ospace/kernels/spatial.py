@@ -132,13 +132,13 @@ def angular(a: Row) -> Row:
 
 @inlined
 def cross_motion(v: Row, m: Row) -> Row:
-    """V ×̂ m for a motion m: [ω̃ ṽ; 0 ω̃] m."""
+    """Return v ×̂ m for a motion m: [ω̃ ṽ; 0 ω̃] m."""
     return add3(cross(angular(v), linear(m)), cross(linear(v), angular(m))) + cross(angular(v), angular(m))
 
 
 @inlined
 def cross_force(v: Row, f: Row) -> Row:
-    """V ×̂ f for a momentum or force f: [ω̃ 0; ṽ ω̃] f (the dual of the operator on motions)."""
+    """Return v ×̂ f for a momentum or force f: [ω̃ 0; ṽ ω̃] f (the dual of the operator on motions)."""
     return cross(angular(v), linear(f)) + add3(cross(linear(v), linear(f)), cross(angular(v), angular(f)))
 
 
@@ -200,7 +200,7 @@ def sym6_sub(A: Row, B: Row) -> Row:
 
 @inlined
 def sym6_outer(u: Row, w: Row) -> Row:
-    """U wᵀ, where w is a multiple of u."""
+    """Return u wᵀ, where w is a multiple of u."""
     return (
         (u[0] * w[0],)
         + (u[1] * w[0], u[1] * w[1])

@@ -71,7 +71,7 @@ class IndependentReader:
         for name, joint in self._urdf.joint_map.items():
             if joint.mimic is not None and name in angles:
                 # yourdfpy follows one joint, not a chain of them
-                led = joint.mimic.joint in self._urdf.actuated_joint_names
+                led = joint.mimic.joint in angles and joint.mimic.joint in self._urdf.actuated_joint_names
                 angles[name] = (angles[joint.mimic.joint] if led else 0.0) * joint.mimic.multiplier + joint.mimic.offset
         return angles
 

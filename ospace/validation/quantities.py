@@ -178,7 +178,7 @@ def inertia_inverse_by_minverse(s: Sample) -> Comparison:
 
 @quantity("operational inertia", "§6.2 step 5", "forward chain", "dense (9)")
 def inertia(s: Sample) -> Comparison:
-    reference = s.Gamma_e.inverse
+    reference = s.dense.Gamma_e
     scale = 1.0 / s.point_scale
     return Comparison(s.operational.inertia, reference, scale, scale, s.condition_Gamma)
 
@@ -191,7 +191,7 @@ def bias_acceleration(s: Sample) -> Comparison:
 
 @quantity("bias force", "45", "forward chain", "dense (10)")
 def bias_force(s: Sample) -> Comparison:
-    Gamma = s.Gamma_e.inverse
+    Gamma = s.dense.Gamma_e
     J_e_plus = s.dense.response @ Gamma
     reference = J_e_plus.T @ s.dense.c - Gamma @ s.dense.drift
     return Comparison(s.operational.bias_force, reference, 1.0 / s.point_scale, 1.0, s.condition_Gamma, s.speed)
@@ -199,14 +199,14 @@ def bias_force(s: Sample) -> Comparison:
 
 @quantity("dynamically consistent inverse J_e+", "11", "response sweep", "pin.crba")
 def dynamically_consistent_inverse(s: Sample) -> Comparison:
-    reference = s.dense.response @ s.Gamma_e.inverse
+    reference = s.dense.response @ s.dense.Gamma_e
     value = s.operational.dynamically_consistent_inverse
     return Comparison(value, reference, s.velocity_scale, 1.0 / s.point_scale, s.condition_Gamma)
 
 
 @quantity("null-space projector 1 - J_e+ J_e", "11", "response sweep", "pin.crba")
 def null_space_projector(s: Sample) -> Comparison:
-    Gamma = s.Gamma_e.inverse
+    Gamma = s.dense.Gamma_e
     reference = np.eye(s.state.robot.nv) - s.dense.response @ Gamma @ s.dense.J_e
     value = s.operational.null_space_projector
     return Comparison(value, reference, s.velocity_scale, s.force_scale, s.condition_Gamma)
@@ -221,7 +221,7 @@ def _worst_point(s: Sample, compare: Compare) -> Comparison:
 def inverted_inertia(s: Sample) -> Comparison:
     def at(one: Sample) -> Comparison:
         scale = 1.0 / one.point_scale
-        return Comparison(one.inverted.inertia, one.Gamma_e.inverse, scale, scale, one.condition_Gamma)
+        return Comparison(one.inverted.inertia, one.dense.Gamma_e, scale, scale, one.condition_Gamma)
 
     return _worst_point(s, at)
 
@@ -229,7 +229,7 @@ def inverted_inertia(s: Sample) -> Comparison:
 @quantity("bias force of each point", "35, 36", "inverted chain", "dense (10)")
 def inverted_bias_force(s: Sample) -> Comparison:
     def at(one: Sample) -> Comparison:
-        reference = one.Gamma_e.inverse @ one.dense.mu
+        reference = one.dense.Gamma_e @ one.dense.mu
         value, scale = one.inverted.bias_force, 1.0 / one.point_scale
         return Comparison(value, reference, scale, 1.0, one.condition_Gamma, s.speed)
 
@@ -252,7 +252,7 @@ def base_inertia_inverse(s: Sample) -> Comparison:
 
 @quantity("floating inertia", "12", "response sweep", "crba, Jacobians")
 def floating_inertia(s: Sample) -> Comparison:
-    reference = s.Lambda.inverse
+    reference = s.dense.Lambda
     scale = 1.0 / s.point_scale
     return Comparison(s.floating.floating_inertia, reference, scale, scale, s.condition_Lambda)
 
@@ -272,7 +272,7 @@ def torque_map(s: Sample) -> Comparison:
 
 @quantity("dynamically consistent inverse J_m*+", "13", "response sweep", "crba, Jacobians")
 def floating_consistent_inverse(s: Sample) -> Comparison:
-    Lambda = s.Lambda.inverse
+    Lambda = s.dense.Lambda
     reference = s.dense.torque_map.T @ Lambda
     value = s.floating.dynamically_consistent_inverse
     return Comparison(value, reference, s.velocity_scale[6:], 1.0 / s.point_scale, s.condition_Lambda)

@@ -71,19 +71,18 @@ class Report:
             "schema": SCHEMA_VERSION,
             "ospace": ospace.__version__,
             "pinocchio": pin.__version__,
-            "model": None if self.model is None else asdict(self.model),
+            "model": None if self.model is None else _finite(asdict(self.model)),
             "findings": [finding.as_dict() for finding in self.findings],
-            "agreement": [_row(row) for row in self.agreement],
+            "agreement": [_finite({**asdict(row), "verdict": row.verdict}) for row in self.agreement],
             "samples": self.samples,
             "seed": self.seed,
             "verdict": self.verdict,
         }
 
 
-def _row(row: Agreement) -> dict[str, Any]:
-    """One row as JSON can hold it: no number stands for infinity there."""
-    told = {**asdict(row), "verdict": row.verdict}
-    return told | {key: None for key in ("error", "bound") if not np.isfinite(told[key])}
+def _finite(told: dict[str, Any]) -> dict[str, Any]:
+    """Put null for what is not finite: no number stands for it in JSON."""
+    return {key: None if isinstance(value, float) and not np.isfinite(value) else value for key, value in told.items()}
 
 
 def model_facts(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> ModelFacts:
@@ -154,6 +153,9 @@ def check(
             rows.append(summary(name, "14", "Pinocchio", "yourdfpy", placed))
     except SingularInertiaError as error:
         found.append(_singular(error))
+    except (OspaceError, np.linalg.LinAlgError) as error:
+        remedy = "look for links without inertia about an axis, and for masses or lengths in other units than kg and m"
+        found.append(Finding("not-computable", "error", f"robot '{robot.name}'", str(error), remedy))
     return Report(model_facts(robot, points), tuple(found), rows, done, seed)
 
 

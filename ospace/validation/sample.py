@@ -18,7 +18,6 @@ from ospace.dynamics.joint_space import (
     joint_space_dynamics,
 )
 from ospace.dynamics.operational_space import OperationalSpace, operational_space
-from ospace.dynamics.ranges import RangeInverse, inverse_on_range
 from ospace.kernels import composite
 from ospace.kernels.tables import Floats
 from ospace.points import OperationalPoint
@@ -121,22 +120,12 @@ class Sample:
         return self.condition_H + self.point_lever
 
     @cached_property
-    def Gamma_e(self) -> RangeInverse:
-        J_e, mobility = self.dense.J_e, np.diag(self.dense.Gamma_e_inv)
-        return inverse_on_range(self.dense.Gamma_e_inv, J_e, mobility, np.diag(self.dense.H))
-
-    @cached_property
-    def Lambda(self) -> RangeInverse:
-        mobility, inertia = np.diag(self.dense.Gamma_e_inv), np.diag(self.dense.H_m_star)
-        return inverse_on_range(self.dense.Lambda_inv, self.dense.J_m_star, mobility, inertia)
-
-    @cached_property
     def condition_Gamma(self) -> float:
-        return self._condition_of_inverse(self.dense.Gamma_e_inv, self.Gamma_e.rank)
+        return self._condition_of_inverse(self.dense.Gamma_e_inv, self.dense.rank)
 
     @cached_property
     def condition_Lambda(self) -> float:
-        return self._condition_of_inverse(self.dense.Lambda_inv, self.Lambda.rank)
+        return self._condition_of_inverse(self.dense.Lambda_inv, self.dense.floating_rank)
 
     def _condition_of_inverse(self, A: Floats, rank: int) -> float:
         """Condition of A = J H⁻¹ Jᵀ on its range (scaled at full rank, else as it stands) times that of H."""

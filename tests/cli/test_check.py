@@ -46,6 +46,12 @@ def joint(name, kind, child, parent="base", more=""):
     )
 
 
+@pytest.fixture(scope="module", autouse=True)
+def compiled():
+    """What the command says while it compiles kernels is said once for a machine; here it has been said."""
+    main(["check", "target", "--samples", "1"])
+
+
 @pytest.fixture
 def urdf(tmp_path):
     """Write a URDF of given parts."""

@@ -75,7 +75,35 @@ def test_inertia_and_bias_force(chaser):
     reference = ospace.operational_space(state, points, "dense")
     close(result.inertia, reference.inertia)
     close(result.bias_force, reference.bias_force)
+    close(result.jacobian, reference.jacobian)
     np.testing.assert_array_equal(result.inertia, result.inertia.T)
+
+
+def test_what_is_not_asked_for_is_none(chaser):
+    run = ospace.OperationalSpaceEvaluator(chaser, chaser.point("head"), "inertia_inverse").update(
+        chaser.configuration()
+    )
+    assert run.inertia is run.bias_force is run.bias_acceleration is run.jacobian is run.rank is None
+
+
+def test_joints_without_inertia_are_refused_by_both_alike():
+    """Two joints about one axis with a massless ring between them."""
+    model = pin.Model()
+    root = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root_joint")
+    model.appendBodyToJoint(root, pin.Inertia.FromBox(10.0, 1.0, 1.0, 1.0), pin.SE3.Identity())
+    placement = pin.SE3(pin.exp3(np.array([0.3, -0.4, 0.5])), np.array([0.7, 0.2, -0.4]))
+    ring = model.addJoint(root, pin.JointModelRZ(), placement, "outer")
+    hand = model.addJoint(ring, pin.JointModelRZ(), pin.SE3.Identity(), "inner")
+    model.appendBodyToJoint(hand, pin.Inertia.FromBox(1.0, 0.2, 0.3, 0.4), pin.SE3.Identity())
+    model.addBodyFrame("hand", hand, pin.SE3.Identity(), 0)
+    robot = ospace.SpaceRobot.from_model(model)
+    point = robot.point("hand")
+    run = ospace.OperationalSpaceEvaluator(robot, point)
+    states = [trees.state(robot, seed) for seed in range(20)]
+    for state in states:
+        with pytest.raises(ospace.SingularInertiaError):
+            run.update(state.q, state.v)
+    assert ospace.operational_space_batch(robot, point, [state.q for state in states]).bad.size == 20
 
 
 def test_without_velocity_there_is_no_bias(chaser):
@@ -279,7 +307,10 @@ def test_no_states(chaser, points):
         (np.zeros((3, 25)), np.zeros((2, 24)), {}, 1, "3 states"),
         (np.zeros((3, 25)), None, {"inertia_inverse": np.zeros((3, 9, 8))}, 1, "shape"),
         (np.zeros((3, 25)), None, {"inertia_inverse": np.zeros((3, 9, 9), np.float32)}, 1, "float64"),
+        (np.zeros((3, 25)), None, {"inertia_inverse": [0.0]}, 1, "writable"),
+        (np.zeros((3, 25)), None, {"gamma": np.zeros(3)}, 1, "'gamma'"),
         (np.zeros((3, 25)), None, {}, 0, "threads"),
+        (np.zeros((3, 25)), None, {}, "2", "threads"),
     ],
 )
 def test_wrong_use_is_an_error(chaser, points, Q, V, out, threads, words):
@@ -302,4 +333,4 @@ def test_the_layout_leaves_no_gap_and_no_overlap():
     np.testing.assert_array_equal(at[1:, 0], ends[:-1])
     assert (at[0, 0], ends[-1]) == (0, length)
     assert len(at) == len(evaluation.Work._fields)
-    assert evaluator.QUANTITIES == ("inertia_inverse", "inertia", "bias_acceleration", "bias_force")
+    assert evaluator.QUANTITIES == ("inertia_inverse", "inertia", "bias_acceleration", "bias_force", "jacobian")
