@@ -1,6 +1,6 @@
 """How a kernel is compiled, and how it reaches memory.
 
-A *number* is a ``float64``, or eight of them in the lanes of a vector register (`ospace.kernels.simd`); kernels never
+A *number* is a ``float64``, or several of them in the lanes of a vector register (`ospace.kernels.simd`); kernels never
 say which. A *row* of numbers comes out of memory as a tuple and goes back as one: ``S = load6(tree.S, i)``.
 
 Two decorators make every kernel of the package:
