@@ -119,7 +119,10 @@ class OperationalSpaceEvaluator:
         if self._arguments:
             try:
                 status = self._evaluate(q, v, *self._arguments)
-            except TypeError:  # not writable arrays of doubles
+            except (
+                TypeError,
+                AttributeError,
+            ):  # not writable arrays of doubles; the latter where kernels run interpreted
                 q = checked_vector(q, self.robot.nq, "q", self.robot.name)
                 v = checked_vector(v, self.robot.nv, "v", self.robot.name)
                 status = self._evaluate(q, v, *self._arguments)
