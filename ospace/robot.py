@@ -147,11 +147,7 @@ class SpaceRobot:
         """Links from which no joint goes on; the base alone where there is no joint."""
         frames = self.model.frames
         has_child = {frames[k].parentFrame for k in range(1, len(frames))}
-
-        def leads_on(k: int) -> bool:
-            return k in has_child
-
-        return [frame.name for k, frame in enumerate(frames) if frame.type == pin.FrameType.BODY and not leads_on(k)]
+        return [frame.name for k, frame in enumerate(frames) if frame.type == pin.FrameType.BODY and k not in has_child]
 
     def joint_of_link(self, i: int) -> str:
         """Name of the joint by which link `i` of the recursions hangs."""

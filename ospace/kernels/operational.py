@@ -40,6 +40,7 @@ from ospace.kernels.spatial import (
     forces_from,
     mat6_add_outer,
     mat6_mul,
+    mat6_product,
     motion_at,
     mul_mat6,
     scale6,
@@ -127,7 +128,7 @@ def response(links: Links, points: Points, position: Floats, tree: Tree, body: A
             P = mat6_add_outer(P, load6(body.U, i), scale6(f, -body.beta_inv[i]))
             store6(pull, i, f)
         I_inv = sym6_inverse(load21(body.I, 0))
-        P = sym6_columns(I_inv, P)
+        P = mat6_product(sym6_to_mat(I_inv), P)
         store36(A, 0, P)
         for k in range(6):
             store_part6(Y, k, 6 * e, (P[6 * k], P[6 * k + 1], P[6 * k + 2], P[6 * k + 3], P[6 * k + 4], P[6 * k + 5]))
@@ -136,16 +137,6 @@ def response(links: Links, points: Points, position: Floats, tree: Tree, body: A
             b = scale6(sub6(load6(pull, i), mul_mat6(load6(body.U, i), A_h)), body.beta_inv[i])
             store36(A, i, mat6_add_outer(A_h, load6(tree.S, i), b))
             store_part6(Y, i + 5, 6 * e, b)
-
-
-@inlined
-def sym6_columns(A: Row, K: Row) -> Row:
-    """A K for a symmetric A."""
-    M = sym6_to_mat(A)
-    return (
-        mul_mat6(M[0:6], K) + mul_mat6(M[6:12], K) + mul_mat6(M[12:18], K)
-        + mul_mat6(M[18:24], K) + mul_mat6(M[24:30], K) + mul_mat6(M[30:36], K)
-    )  # fmt: skip
 
 
 @entry
