@@ -23,9 +23,14 @@ def checked_vector(given: npt.ArrayLike, size: int, name: str, robot: str) -> Fl
     return vector
 
 
+def not_finite(what: str) -> OspaceError:
+    """Return the error for results that are not finite: inputs so large that the arithmetic overflowed."""
+    return OspaceError(
+        f"{what} is not finite: masses, lengths, positions or velocities are too large or too small to compute with"
+    )
+
+
 def all_finite(results: tuple[Floats, ...], what: str) -> None:
-    """Raise `OspaceError` if a result is not finite: inputs so large that the arithmetic overflowed."""
+    """Raise `OspaceError` if a result is not finite."""
     if not all(np.isfinite(result).all() for result in results):
-        raise OspaceError(
-            f"{what} is not finite: masses, lengths, positions or velocities are too large or too small to compute with"
-        )
+        raise not_finite(what)

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
-from ospace.kernels.evaluation import Robot
 from ospace.kernels.kinematics import CONTINUOUS, PRISMATIC, REVOLUTE, Joints
+from ospace.kernels.memory import Robot
 from ospace.kernels.propagated import Nodes
 from ospace.kernels.tables import Floats
 from ospace.points import PointSet
@@ -26,7 +26,7 @@ def flatten(robot: SpaceRobot, given: PointSet) -> Robot | None:
         return None
     axes = [np.eye(3), np.eye(3)] + [_turn_z_to(_axis(joint)) for joint in list(robot.model.joints)[2:]]
     joints = _joints(robot, kinds, axes)
-    return Robot(joints, _nodes(robot, given, axes), given.rows)
+    return Robot(joints, _nodes(robot, given, axes), given.rows, np.zeros(1, dtype=np.int64))
 
 
 def _kinds(model: pin.Model) -> list[int] | None:

@@ -47,9 +47,7 @@ class State:
 
     def __init__(self, robot: SpaceRobot, q: npt.ArrayLike, v: npt.ArrayLike | None = None) -> None:
         self.robot = robot
-        self.q = checked_vector(q, robot.nq, "q", robot.name)
-        self.v = np.zeros(robot.nv) if v is None else checked_vector(v, robot.nv, "v", robot.name)
-        _normalize(robot, self.q)
+        self.q, self.v = checked_state(robot, q, np.zeros(robot.nv) if v is None else v)
         self.q.flags.writeable = self.v.flags.writeable = False
 
         scratch = robot.scratch
@@ -88,6 +86,13 @@ class State:
 
     def __repr__(self) -> str:
         return f"State({self.robot.name!r}, q={self.q}, v={self.v})"
+
+
+def checked_state(robot: SpaceRobot, q: npt.ArrayLike, v: npt.ArrayLike) -> tuple[Floats, Floats]:
+    """Return copies of `q`, its quaternions at unit length, and `v`; raise `OspaceError` where they are no state."""
+    q, v = checked_vector(q, robot.nq, "q", robot.name), checked_vector(v, robot.nv, "v", robot.name)
+    _normalize(robot, q)
+    return q, v
 
 
 def _normalize(robot: SpaceRobot, q: Floats) -> None:

@@ -7,31 +7,22 @@ import threading
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
-from ospace.dynamics.generalized_jacobian import generalized_jacobian
-from ospace.dynamics.joint_space import momentum
-from ospace.dynamics.operational_space import operational_space
+from ospace.dynamics.evaluator import BITS, OperationalSpaceEvaluator
 from ospace.exceptions import OspaceError
-from ospace.kernels import evaluation, simd
+from ospace.kernels import evaluation, many, memory, simd
 from ospace.kernels.tables import Floats
 from ospace.link_frames import flatten
 from ospace.points import OperationalPoint, PointSet, point_set
 from ospace.robot import SpaceRobot
 
 CHUNK = 512
-_BITS = {
-    "inertia_inverse": evaluation.MOBILITY,
-    "inertia_inverse_packed": evaluation.MOBILITY,
-    "inertia": evaluation.MOBILITY | evaluation.INERTIA,
-    "bias_acceleration": evaluation.MOBILITY | evaluation.BIAS,
-    "bias_force": evaluation.MOBILITY | evaluation.INERTIA | evaluation.BIAS,
-    "generalized_jacobian": evaluation.FLOATING,
-    "smallest_singular_value": evaluation.FLOATING,
-    "momentum": evaluation.FLOATING,
-}
+_BITS = {name: bits for name, bits in BITS.items() if name != "jacobian"}
+_BITS |= {"inertia_inverse_packed": BITS["inertia_inverse"], "smallest_singular_value": BITS["generalized_jacobian"]}
 QUANTITIES = tuple(_BITS)
 _NOTHING = {
     "inertia_inverse": np.empty((0, 0, 0)),
@@ -40,6 +31,7 @@ _NOTHING = {
     "bias_acceleration": np.empty((0, 0)),
     "bias_force": np.empty((0, 0)),
     "generalized_jacobian": np.empty((0, 0, 0)),
+    "generalized_inertia": np.empty((0, 0, 0)),
     "momentum": np.empty((0, 0)),
 }
 
@@ -60,6 +52,8 @@ class OperationalSpaceBatch:
         μ and μ_e.
     generalized_jacobian : (N, r, n)
         J_m*.
+    generalized_inertia : (N, n, n)
+        H_m*.
     smallest_singular_value : (N,)
         σ_min of J_m*, the last of its min(r, n) singular values: zero at a dynamic singularity. Comes with
         `generalized_jacobian`, from which LAPACK takes it.
@@ -75,6 +69,7 @@ class OperationalSpaceBatch:
     bias_acceleration: Floats | None = None
     bias_force: Floats | None = None
     generalized_jacobian: Floats | None = None
+    generalized_inertia: Floats | None = None
     smallest_singular_value: Floats | None = None
     momentum: Floats | None = None
     bad: npt.NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
@@ -159,6 +154,7 @@ def _arrays(
         "bias_acceleration": (N, r),
         "bias_force": (N, r),
         "generalized_jacobian": (N, r, robot.n_joints),
+        "generalized_inertia": (N, robot.n_joints, robot.n_joints),
         "smallest_singular_value": (N,),
         "momentum": (N, 6),
     }
@@ -190,13 +186,13 @@ def _over_threads(work: _Work, N: int, threads: int) -> None:
     lock = threading.Lock()
 
     def consume() -> None:
-        memory = work.memory()
+        worker = _Worker(work)
         while not stop.is_set():
             with lock:
                 chunk = next(chunks, None)
             if chunk is None:
                 return
-            work.run(chunk, memory)
+            worker.run(chunk)
 
     with ThreadPoolExecutor(threads) as pool:
         running = [pool.submit(consume) for _ in range(min(threads, -(-N // CHUNK)))]
@@ -208,63 +204,61 @@ def _over_threads(work: _Work, N: int, threads: int) -> None:
 
 
 class _Work:
-    """What every chunk needs to know, and the status of every state."""
+    """What every thread needs to know, and the status of every state."""
 
     def __init__(self, robot: SpaceRobot, given: PointSet, Q: Floats, V: Floats, results: Mapping[str, Floats]) -> None:
         self.robot, self.given, self.Q, self.V, self.results = robot, given, Q, V, results
-        self.status = np.zeros(len(Q), dtype=np.int64)
-        self.want = 0
-        for name in results:
-            self.want |= _BITS[name]
+        self.status = np.full(len(Q), evaluation.BAD_INPUT, dtype=np.int64)
         self.lanes = simd.widest()
         self.flat = flatten(robot, given)
         if self.flat is not None:
-            sizes = (robot.n_joints + 1, len(self.flat.nodes.parent), len(given.points), len(given.rows))
-            self.at, self.length = evaluation.layout(*sizes, robot.nq, robot.nv, self.lanes)
-            self.constants = evaluation.pack(self.flat)
+            for name in results:
+                self.flat.want[0] |= _BITS[name]
 
-    def memory(self) -> Floats:
-        """Return working memory for one thread."""
-        return np.zeros(self.length if self.flat is not None else 0)
 
-    def run(self, chunk: slice, memory: Floats) -> None:
+class _Worker:
+    """One thread's memory."""
+
+    def __init__(self, work: _Work) -> None:
+        self.work = work
+        self.memory = None if work.flat is None else memory.lay_out(work.flat, work.robot.nq, work.lanes)
+
+    def run(self, chunk: slice) -> None:
         """Compute one chunk, in place."""
-        if self.flat is None:
-            self.status[chunk] = evaluation.BAD_INPUT
-        else:
+        work = self.work
+        if self.memory is not None:
             parts = {name: self._part(name, chunk) for name in _NOTHING}
-            out = evaluation.Results(**parts, status=self.status[chunk])
-            Q, V = (np.ascontiguousarray(states[chunk]) for states in (self.Q, self.V))
-            evaluation.BY_WIDTH[self.lanes](Q, V, self.want, *self.constants, memory, self.at, out)
-        for s in chunk.start + np.flatnonzero(self.status[chunk] != evaluation.FINE):
-            self.status[s] = self._alone(int(s))
-        if "smallest_singular_value" in self.results:
+            out = many.Results(**parts, status=work.status[chunk])
+            Q, V = (np.ascontiguousarray(states[chunk]) for states in (work.Q, work.V))
+            many.BY_WIDTH[work.lanes](Q, V, self.memory, out)
+        for s in chunk.start + np.flatnonzero(work.status[chunk] != evaluation.FINE):
+            work.status[s] = self._alone(int(s))
+        if "smallest_singular_value" in work.results:
             J = self._part("generalized_jacobian", chunk)
             values = np.linalg.svd(J, compute_uv=False)
-            self.results["smallest_singular_value"][chunk] = values.min(axis=1) if values.shape[1] else 0.0
+            work.results["smallest_singular_value"][chunk] = values.min(axis=1) if values.shape[1] else 0.0
 
     def _part(self, name: str, chunk: slice) -> Floats:
         """Return the rows of a result that belong to `chunk`; none where it is not wanted."""
-        return self.results[name][chunk] if name in self.results else _NOTHING[name]
+        return self.work.results[name][chunk] if name in self.work.results else _NOTHING[name]
+
+    @cached_property
+    def _evaluator(self) -> OperationalSpaceEvaluator:
+        wanted = [name for name in self.work.results if name in BITS]
+        return OperationalSpaceEvaluator(self.work.robot, self.work.given.points, wanted)
 
     def _alone(self, s: int) -> int:
         """Compute state `s` by itself: any joint type, dependent rows; zeros where it cannot be computed."""
+        work = self.work
         try:
-            state = self.robot.state(self.Q[s], self.V[s])
-            values: dict[str, Floats] = {}
-            if self.want & evaluation.MOBILITY:
-                one = operational_space(state, self.given.points)
-                values |= {name: getattr(one, name) for name in ("inertia_inverse", "inertia")}
-                values |= {name: getattr(one, name) for name in ("bias_acceleration", "bias_force")}
-                values["inertia_inverse_packed"] = one.inertia_inverse[np.tril_indices(len(one.inertia))]
-            if self.want & evaluation.FLOATING:
-                values["generalized_jacobian"] = generalized_jacobian(state, self.given.points).generalized_jacobian
-                values["momentum"] = momentum(state)
+            one = self._evaluator.update(work.Q[s].copy(), work.V[s].copy())
+            for name, result in work.results.items():
+                if name in BITS:
+                    result[s] = getattr(one, name)
+            if "inertia_inverse_packed" in work.results:
+                work.results["inertia_inverse_packed"][s] = one.inertia_inverse[np.tril_indices(len(work.given.rows))]
         except OspaceError:
-            for result in self.results.values():
+            for result in work.results.values():
                 result[s] = 0.0
             return evaluation.BAD_INPUT
-        for name, result in self.results.items():
-            if name in values:
-                result[s] = values[name]
         return evaluation.FINE

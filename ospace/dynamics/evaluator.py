@@ -8,16 +8,47 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ospace.checks import checked_vector
+from ospace.checks import checked_vector, not_finite
+from ospace.dynamics.generalized_jacobian import generalized_jacobian
+from ospace.dynamics.joint_space import generalized_dynamics, momentum
 from ospace.dynamics.operational_space import operational_space
-from ospace.exceptions import OspaceError
-from ospace.kernels import evaluation
+from ospace.dynamics.ranges import inverse_on_range
+from ospace.exceptions import OspaceError, SingularInertiaError
+from ospace.kernels import evaluation, memory
+from ospace.kernels.articulated import NO_INERTIA
+from ospace.kernels.kinematics import REVOLUTE
 from ospace.kernels.tables import Floats
 from ospace.link_frames import flatten
 from ospace.points import OperationalPoint, point_set
 from ospace.robot import SpaceRobot
+from ospace.state import State, checked_state
 
-QUANTITIES = ("inertia_inverse", "inertia", "bias_acceleration", "bias_force", "jacobian")
+BITS = {
+    "inertia_inverse": evaluation.MOBILITY,
+    "inertia": evaluation.MOBILITY | evaluation.INERTIA,
+    "bias_acceleration": evaluation.MOBILITY | evaluation.BIAS,
+    "bias_force": evaluation.MOBILITY | evaluation.INERTIA | evaluation.BIAS,
+    "jacobian": evaluation.JACOBIAN,
+    "generalized_jacobian": evaluation.FLOATING,
+    "generalized_inertia": evaluation.FLOATING | evaluation.GENERALIZED_INERTIA,
+    "momentum": evaluation.FLOATING,
+}
+"""What each quantity asks of the kernel."""
+QUANTITIES = tuple(BITS)
+
+
+class _Quantity:
+    """An array of the evaluator, computed when it is read unless `update` has done so."""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name, self.bits = name, BITS[name]
+
+    def __get__(self, run: OperationalSpaceEvaluator | None, owner: type) -> Any:
+        if run is None:
+            return self
+        if self.bits & ~run._known:
+            run._complete(self.bits)
+        return run._arrays[self.name]
 
 
 class OperationalSpaceEvaluator:
@@ -32,8 +63,8 @@ class OperationalSpaceEvaluator:
     points : OperationalPoint or sequence of them
         r rows in the order given.
     quantities : sequence of str
-        What `update` computes: "inertia_inverse" always; "inertia", "bias_acceleration", "bias_force" and "jacobian"
-        cost extra.
+        What `update` computes, of the attributes below. Any other is computed from the last state when it is read,
+        by a pass of its own.
 
     Attributes
     ----------
@@ -43,15 +74,18 @@ class OperationalSpaceEvaluator:
         μ and μ_e.
     jacobian : (r, nv)
         J_e, base columns for ẋ_b in inertial axes.
-    rank : int or None
-        Rank of Γ_e⁻¹; None where neither `inertia` nor `bias_force` is asked for, since it is found by inverting.
-
-    What is not asked for is None.
+    generalized_jacobian : (r, n)
+        J_m*.
+    generalized_inertia : (n, n)
+        H_m*.
+    momentum : (6,)
+        M_0.
 
     Raises
     ------
     OspaceError
-        No point, another robot's point, or an unknown quantity.
+        No point, another robot's point, or an unknown quantity; an attribute is read before the first `update`, or
+        after one that failed.
 
     Notes
     -----
@@ -59,49 +93,52 @@ class OperationalSpaceEvaluator:
     other joint type takes the way of `operational_space`, with the same results.
     """
 
+    inertia_inverse = _Quantity()
+    inertia = _Quantity()
+    bias_acceleration = _Quantity()
+    bias_force = _Quantity()
+    jacobian = _Quantity()
+    generalized_jacobian = _Quantity()
+    generalized_inertia = _Quantity()
+    momentum = _Quantity()
+
     def __init__(
         self,
         robot: SpaceRobot,
         points: OperationalPoint | Sequence[OperationalPoint],
-        quantities: Sequence[str] = QUANTITIES,
+        quantities: Sequence[str] = ("inertia_inverse", "inertia", "bias_acceleration", "bias_force"),
     ) -> None:
-        quantities = (quantities,) if isinstance(quantities, str) else quantities
-        for name in quantities:
-            if name not in QUANTITIES:
-                raise OspaceError(f"quantity '{name}' is unknown: give some of {', '.join(QUANTITIES)}")
         self.robot = robot
+        self.quantities = (quantities,) if isinstance(quantities, str) else tuple(quantities)
+        self._want = 0
+        for name in self.quantities:
+            if name not in BITS:
+                raise OspaceError(f"quantity '{name}' is unknown: give some of {', '.join(QUANTITIES)}")
+            self._want |= BITS[name]
         self._given = point_set(robot, points)
-        self.quantities = tuple(quantities)
-        rows = len(self._given.rows)
+        self._known = 0
+        self._updated = False
         self._still = np.zeros(robot.nv)
-        self._evaluate: Callable[..., int] = evaluation.evaluate
-        wanted = set(quantities)
-        self._want = evaluation.MOBILITY
-        self._want |= evaluation.INERTIA * bool(wanted & {"inertia", "bias_force"})
-        self._want |= evaluation.JACOBIAN * ("jacobian" in wanted)
-        self._want |= evaluation.BIAS * bool(wanted & {"bias_acceleration", "bias_force"})
+        self._rank = r = len(self._given.rows)
+        self._state: State | None = None
+        n, nv = robot.n_joints, robot.nv
+        shapes = ((r, r), (r, r), (r,), (r,), (r, nv), (r, n), (n, n), (6,))
+        self._arrays: dict[str, Floats] = {name: np.zeros(shape) for name, shape in zip(BITS, shapes, strict=True)}
 
         flat = flatten(robot, self._given)
-        nodes = len(flat.nodes.parent) if flat else 1
-        p = len(self._given.points)
-        self._at, length = evaluation.layout(robot.n_joints + 1, nodes, p, rows, robot.nq, robot.nv, 1)
-        self._memory = np.zeros(length)
-        self.inertia_inverse = self._result("inertia_inverse")
-        inverted, biased = bool(self._want & evaluation.INERTIA), bool(self._want & evaluation.BIAS)
-        self.inertia = self._result("inertia") if inverted else None
-        self.bias_acceleration = self._result("bias_acceleration")[:, 0] if biased else None
-        self.bias_force = self._result("bias_force")[:, 0] if inverted and biased else None
-        self.jacobian = self._result("jacobian") if "jacobian" in wanted else None
-        self.rank: int | None = rows if inverted else None
-        self._arguments: tuple[Any, ...] = ()
+        self._on_kernel = flat is not None
         if flat is not None:
-            self._arguments = (self._want, *evaluation.pack(flat), self._memory, self._at)
-            _only_doubles(self._still, self._arguments)
+            self._joints = flat.joints
+            self._memory = memory.lay_out(flat, robot.nq)
+            self._evaluate: Callable[..., int] = evaluation.evaluate
+            self._wanted = memory.wanted(self._memory)
+            self._wanted[0] = self._want
+            self._q, self._v = self._table("q")[:, 0], self._table("velocity")[:, 0]
+            self._arrays = {name: self._table(name).reshape(shape) for name, shape in zip(BITS, shapes, strict=True)}
+            _only_doubles(self._still, self._memory)
 
-    def _result(self, name: str) -> Floats:
-        start, rows, columns = self._at[evaluation.Work._fields.index(name)]
-        result: Floats = self._memory[start : start + rows * columns].reshape(rows, columns)
-        return result
+    def _table(self, name: str) -> Floats:
+        return memory.result(self._memory, name)
 
     def update(self, q: npt.ArrayLike, v: npt.ArrayLike | None = None) -> OperationalSpaceEvaluator:
         """Compute the quantities at `q` (nq,) and `v` (nv,), zero without it; return the evaluator itself.
@@ -112,40 +149,116 @@ class OperationalSpaceEvaluator:
             A joint moves nothing in this state; names the joint.
         OspaceError
             Wrong length, numbers that are not finite, or a quaternion that is not of unit length; or a result that is
-            not finite. The arrays then hold nothing of use.
+            not finite. There are no results then.
         """
         if v is None:
             v = self._still
-        if self._arguments:
-            try:
-                status = self._evaluate(q, v, *self._arguments)
-            except (
-                TypeError,
-                AttributeError,
-            ):  # not writable arrays of doubles; the latter where kernels run interpreted
-                q = checked_vector(q, self.robot.nq, "q", self.robot.name)
-                v = checked_vector(v, self.robot.nv, "v", self.robot.name)
-                status = self._evaluate(q, v, *self._arguments)
-            if status == evaluation.FINE:
-                if self.rank is not None:
-                    self.rank = len(self.inertia_inverse)
-                return self
-        return self._update_by_state(q, v)
-
-    def _update_by_state(self, q: npt.ArrayLike, v: npt.ArrayLike) -> OperationalSpaceEvaluator:
-        """Go the way of `operational_space`: any joint type, any rank, and errors that say what is wrong."""
-        result = operational_space(self.robot.state(q, v), self._given.points)
-        for name in QUANTITIES:
-            own = getattr(self, name)
-            if own is not None:
-                own[...] = getattr(result, name)
-        if self.rank is not None:
-            self.rank = result.rank
+        if not self._on_kernel:
+            self._take_state(self.robot.state(q, v))
+            return self
+        try:
+            status = self._evaluate(q, v, self._memory)
+        except (TypeError, AttributeError):  # not writable arrays of doubles; the latter where kernels run interpreted
+            q = checked_vector(q, self.robot.nq, "q", self.robot.name)
+            v = checked_vector(v, self.robot.nv, "v", self.robot.name)
+            status = self._evaluate(q, v, self._memory)
+        if status:
+            self._updated, self._known = False, 0
+            if status == evaluation.BAD_INPUT:
+                status = self._evaluate(*self._in_reach(q, v), self._memory)
+            self._mend(status, self._want)
+        self._updated, self._known = True, self._want
         return self
 
+    @property
+    def rank(self) -> int:
+        """Rank of Γ_e⁻¹: how many of the rows are independent."""
+        if evaluation.INERTIA & ~self._known:
+            self._complete(BITS["inertia"])
+        return self._rank
 
-def _only_doubles(v: Floats, arguments: tuple[Any, ...]) -> None:
+    @property
+    def response(self) -> Floats:
+        """H⁻¹ J_eᵀ (nv, r), a new array by the sweeps of `operational_space`, which take as long as that does."""
+        if not self._updated:
+            self._complete(0)
+        state = self._state or self.robot.state(self._q, self._v)
+        return operational_space(state, self._given.points).response
+
+    @property
+    def dynamically_consistent_inverse(self) -> Floats:
+        """J_e⁺ = H⁻¹ J_eᵀ Γ_e (11), (nv, r), from `response`."""
+        inverse: Floats = self.response @ self.inertia
+        return inverse
+
+    @property
+    def null_space_projector(self) -> Floats:
+        """1 − J_e⁺ J_e, (nv, nv), from `response`."""
+        projector: Floats = np.eye(self.robot.nv) - self.dynamically_consistent_inverse @ self.jacobian
+        return projector
+
+    # -- what is not the straight way ------------------------------------------------------------------------
+
+    def _complete(self, bits: int) -> None:
+        """Compute what `bits` want as well, at the state of the last update."""
+        if not self._updated:
+            raise OspaceError("there is no state to compute this from: call update(q, v) first, and heed its error")
+        self._wanted[0] = bits
+        status = self._evaluate(self._q, self._v, self._memory)
+        self._wanted[0] = self._want
+        self._mend(status, bits)
+        self._known |= bits
+
+    def _in_reach(self, q: npt.ArrayLike, v: npt.ArrayLike) -> tuple[Floats, Floats]:
+        """Return the state with all angles in (−π, π], where the kernel's sine holds; raise where it is no state."""
+        q, v = checked_state(self.robot, q, v)
+        joints = self._joints
+        angles = joints.first[1:][joints.kind[1:] == REVOLUTE]
+        q[angles] = np.arctan2(np.sin(q[angles]), np.cos(q[angles]))
+        return q, v
+
+    def _mend(self, status: int, bits: int) -> None:
+        """Do what the kernel left undone; raise what it cannot do."""
+        self._rank = len(self._given.rows)
+        if status == evaluation.BAD_INPUT:
+            raise not_finite("the operational-space dynamics")
+        if status == evaluation.SINGULAR:
+            none = np.flatnonzero(~(self._table("share")[1:, 0] > NO_INERTIA))
+            raise SingularInertiaError(self.robot.joint_of_link(int(none[-1]) + 1))
+        if status == evaluation.DEPENDENT:
+            self._invert_on_range(bits)
+
+    def _invert_on_range(self, bits: int) -> None:
+        """Γ_e, μ_e and the rank where rows depend on each other."""
+        self._wanted[0] = BITS["jacobian"] | BITS["momentum"]
+        self._evaluate(self._q, self._v, self._memory)
+        self._wanted[0] = self._want
+        arrays = self._arrays
+        base = self._table("IC")[0, [0, 2, 5, 9, 14, 20]]
+        joints = np.einsum("ij,ij->i", self._table("S"), self._table("F"))[1:] + self._joints.mass[1:, 1]
+        mobility = np.diag(arrays["inertia_inverse"])
+        H = np.concatenate([base, joints])
+        inverted = inverse_on_range(arrays["inertia_inverse"], arrays["jacobian"], mobility, H)
+        arrays["inertia"][:], self._rank = inverted.inverse, inverted.rank
+        if bits & evaluation.BIAS:
+            arrays["bias_force"][:] = arrays["inertia"] @ arrays["bias_acceleration"]
+
+    def _take_state(self, state: State) -> None:
+        """Go the way of `operational_space`, which has every joint type."""
+        self._updated, self._known = False, 0
+        result = operational_space(state, self._given.points)
+        for name in ("inertia_inverse", "inertia", "bias_acceleration", "bias_force", "jacobian"):
+            self._arrays[name][:] = getattr(result, name)
+        floating = generalized_jacobian(state, self._given.points)
+        self._arrays["generalized_jacobian"][:] = floating.generalized_jacobian
+        self._arrays["generalized_inertia"][:] = generalized_dynamics(state).generalized_inertia
+        self._arrays["momentum"][:] = momentum(state)
+        self._rank, self._state = result.rank, state
+        self._updated, self._known = True, -1
+
+
+def _only_doubles(v: Floats, work: Floats) -> None:
     """Compile for plain arrays of doubles, and for nothing else: any other type is a TypeError from here on."""
-    evaluation.evaluate(np.empty(0), v, *arguments)
+    evaluation.evaluate(np.empty(0), v, work)
     if hasattr(evaluation.evaluate, "disable_compile"):  # not there where kernels run interpreted
         evaluation.evaluate.disable_compile()

@@ -34,8 +34,8 @@ from ospace.kernels.lanes import (
 from ospace.kernels.spatial import (
     add3,
     add6,
+    body_force,
     classical,
-    cross_force,
     dot6,
     motion_at,
     rotate,
@@ -80,18 +80,27 @@ def base_columns(IC: Table, F: Table, J_b_star: Table) -> Row:
     return I_inv
 
 
+@inlined
+def add_joint_inertia(parent: Ints, S: Table, F: Table, H_m: Table) -> None:
+    """Add S_jᵀ I_i^C S_i for every j on the way from i to the base to `H_m` (n, n)."""
+    for i in range(1, parent.size):
+        j = i
+        while j > 0:
+            h = H_m[i - 1, j - 1] + dot6(load6(S, j), load6(F, i))
+            H_m[i - 1, j - 1] = h
+            H_m[j - 1, i - 1] = h
+            j = parent[j]
+
+
 @entry
 def composite_inertia(links: Links, tree: Tree) -> tuple[Floats, Floats, Floats]:
     """I^C (n + 1, 21), the columns I_i^C S_i of H_bm as rows (n + 1, 6; row 0 is zero), and H_m (n, n)."""
     n = links.parent.size - 1
     IC, F, H_m = tree.I.copy(), np.zeros((n + 1, 6)), np.zeros((n, n))
     compose(links.parent, tree.S, IC, F)
-    for i in range(n, 0, -1):
-        j = i
-        while j > 0:
-            H_m[i - 1, j - 1] = H_m[j - 1, i - 1] = dot6(load6(tree.S, j), load6(F, i))
-            j = links.parent[j]
-        H_m[i - 1, i - 1] += links.armature[i]
+    add_joint_inertia(links.parent, tree.S, F, H_m)
+    for i in range(n):
+        H_m[i, i] += links.armature[i + 1]
     return IC, F, H_m
 
 
@@ -117,8 +126,7 @@ def composite_force(links: Links, tree: Tree, a_0: Floats, qdd: Floats) -> tuple
         else:
             own = add6(load6(tree.c, i), scale6(load6(tree.S, i), qdd[i - 1]))
             store6(a, i, add6(load6(a, links.parent[i]), own))
-        I, v = load21(tree.I, i), load6(tree.v, i)
-        store6(f, i, add6(sym6_mul(I, load6(a, i)), cross_force(v, sym6_mul(I, v))))
+        store6(f, i, body_force(load21(tree.I, i), load6(tree.v, i), load6(a, i)))
     for i in range(n, 0, -1):
         torque[i - 1] = dot6(load6(tree.S, i), load6(f, i)) + links.armature[i] * qdd[i - 1]
         add_to6(f, links.parent[i], load6(f, i))

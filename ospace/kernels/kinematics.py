@@ -5,7 +5,7 @@ In inertial axes about the base, h the parent of i; the axis of joint i is the t
     R_i = R_h A_i Rot(z, φ_i),   r_i = r_h + R_h b_i                      revolute
     R_i = R_h A_i,               r_i = r_h + R_h b_i + φ_i z_i             prismatic
     S_i = [r_i × z_i; z_i]  or  [z_i; 0]
-    v_i = v_h + S_i φ̇_i,   c_i = v_i ×̂ S_i φ̇_i                            (16), (17)
+    v_i = v_h + S_i φ̇_i,   a_i = a_h + v_i ×̂ S_i φ̇_i                      (16), (17) while φ̈ = 0
 """
 
 from __future__ import annotations
@@ -84,6 +84,15 @@ def sine_cosine(x: Number) -> tuple[Number, Number]:
 
 
 @inlined
+def sines_cosines(q: Table, sine: Table, cosine: Table) -> None:
+    """Of all of `q`, whatever it is: many at a time cost less than those of the angles alone."""
+    for k in range(q.shape[0]):
+        s, c = sine_cosine(q[k, 0])
+        sine[k, 0] = s
+        cosine[k, 0] = c
+
+
+@inlined
 def rotation(x: Number, y: Number, z: Number, w: Number) -> Row:
     """The rotation of a unit quaternion, by columns."""
     return (
@@ -101,8 +110,8 @@ def turned(R: Row, s: Number, c: Number) -> Row:
 
 
 @inlined
-def place_links(joints: Joints, q: Table, frames: Frames, S: Table, I: Table) -> None:
-    """Fill frames, joint columns and inertias; `q` (nq, 1)."""
+def place_links(joints: Joints, q: Table, sine: Table, cosine: Table, frames: Frames, S: Table, I: Table) -> None:
+    """Fill frames, joint columns and inertias; `q` (nq, 1) and its sines and cosines."""
     R = rotation(q[3, 0], q[4, 0], q[5, 0], q[6, 0])
     o = like(0.0, R[0])
     store9(frames.R, 0, R)
@@ -120,7 +129,7 @@ def place_links(joints: Joints, q: Table, frames: Frames, S: Table, I: Table) ->
             store6(S, i, z + (o, o, o))
         else:
             if joints.kind[i] == REVOLUTE:
-                s, c = sine_cosine(q[k, 0])
+                s, c = sine[k, 0], cosine[k, 0]
             else:
                 s, c = q[k + 1, 0], q[k, 0]
             R = turned(R, s, c)
@@ -133,16 +142,18 @@ def place_links(joints: Joints, q: Table, frames: Frames, S: Table, I: Table) ->
 
 
 @inlined
-def move_links(joints: Joints, velocity: Table, frames: Frames, S: Table, v: Table, c: Table) -> None:
-    """Fill velocities, seen from the frame that moves along with the base, and accelerations across the joints.
+def move_links(joints: Joints, velocity: Table, frames: Frames, S: Table, v: Table, a: Table) -> None:
+    """Fill velocities, seen from the frame that moves along with the base, and accelerations while nothing accelerates.
 
     `velocity` (nv, 1): base twist in base axes, then joint rates.
     """
     omega = rotate(load9(frames.R, 0), (velocity[3, 0], velocity[4, 0], velocity[5, 0]))
     o = like(0.0, omega[0])
     store6(v, 0, (o, o, o) + omega)
+    store6(a, 0, (o, o, o, o, o, o))
     for i in range(1, joints.parent.size):
+        h = joints.parent[i]
         across = scale6(load6(S, i), velocity[i + 5, 0])
-        moved = add6(load6(v, joints.parent[i]), across)
+        moved = add6(load6(v, h), across)
         store6(v, i, moved)
-        store6(c, i, cross_motion(moved, across))
+        store6(a, i, add6(load6(a, h), cross_motion(moved, across)))

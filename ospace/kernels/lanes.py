@@ -16,8 +16,9 @@ compiled kernels and ``NUMBA_DISABLE_JIT=1`` runs all of them interpreted.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
+import llvmlite.binding
 import numba
 from numba.extending import overload
 
@@ -30,20 +31,41 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 # Sums may be reordered and contracted; NaN and infinity keep their meaning, so that bad numbers stay visible.
 _FASTMATH = {"contract", "reassoc", "nsz", "arcp"}
+_SOUND_LLVM = (20, 0, 0)
 _OPTIONS: dict[str, Any] = {"fastmath": _FASTMATH, "error_model": "numpy"}
+_MELTED = {**_OPTIONS, "forceinline": True, "no_cfunc_wrapper": True}
 
 
 def inlined(function: Function) -> Function:
     """Let compiled kernels melt `function` into themselves; from Python it stays the plain function it is."""
-    overload(function, strict=False, jit_options={**_OPTIONS, "forceinline": True})(lambda *kinds: function)
+    overload(function, strict=False, jit_options=_MELTED)(lambda *kinds: function)
     return function
 
 
 def entry(function: Function) -> Function:
     """Compile `function` for calls from Python, with the result kept on disk."""
     with cache.keyed_on_sources() as writable:
-        compiled: Function = numba.njit(cache=writable, nogil=True, **_OPTIONS)(function)
-    return compiled
+        compiled: Any = numba.njit(cache=writable, nogil=True, **_OPTIONS)(function)
+    if hasattr(compiled, "compile"):  # not there where kernels run interpreted
+        compiled.compile = _vectorizing_straight_code(compiled.compile)
+    return cast(Function, compiled)
+
+
+def _vectorizing_straight_code(compile_: Callable[..., Any]) -> Callable[..., Any]:
+    """Let LLVM gather scalar arithmetic into vectors, which makes one state a quarter faster.
+
+    Numba has it off because of LLVM 14's faults, so it stays off where LLVM is old.
+    """
+
+    def compile_so(signature: Any) -> Any:
+        before = numba.config.SLP_VECTORIZE
+        numba.config.SLP_VECTORIZE = int(llvmlite.binding.llvm_version_info >= _SOUND_LLVM)
+        try:
+            return compile_(signature)
+        finally:
+            numba.config.SLP_VECTORIZE = before
+
+    return compile_so
 
 
 @inlined

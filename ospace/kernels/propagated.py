@@ -7,9 +7,11 @@ What (38)–(43) do link by link outward, is gathered on the way inward: along e
 
 Passing joint i, with U = I_i^A S_i and β = S_iᵀ U as in (38) and f = K S_i,
 
-    L ← L + f fᵀ/β,   y ← y + K c_i − f S_iᵀ(p_i^A + I_i^A c_i)/β,   K ← K − f Uᵀ/β
+    L ← L + f fᵀ/β,   y ← y − f S_iᵀ p_i^A/β,   K ← K − f Uᵀ/β
 
-which are the propagators L_iᵀ of (39), (40) multiplied up. Then, outward over the nodes,
+which are the propagators L_iᵀ of (39), (40) multiplied up. Accelerations are counted from what they are while no joint
+accelerates, so that p_i begins as the force which that takes (18), and the c_i of (42) are in it. Then, outward over
+the nodes,
 
     G_00 = (I_0^A)⁻¹,   G_nb = K_n G_hb + δ_nb L_n,   a_0 = −(I_0^A)⁻¹ p_0^A,   a_n = K_n a_h + y_n
 
@@ -24,7 +26,6 @@ from typing import NamedTuple
 from ospace.kernels.articulated import force_across, inertia_across, inertia_share
 from ospace.kernels.kinematics import Frames, Joints
 from ospace.kernels.lanes import (
-    Number,
     Row,
     Table,
     add_to6,
@@ -41,12 +42,12 @@ from ospace.kernels.lanes import (
     store36,
     store_part6,
 )
-from ospace.kernels.simd import least, like
+from ospace.kernels.simd import like
 from ospace.kernels.spatial import (
     add3,
     add6,
+    body_force,
     classical,
-    cross_force,
     dot6,
     mat6_add,
     mat6_add_outer,
@@ -57,11 +58,11 @@ from ospace.kernels.spatial import (
     motions_at,
     rotate,
     scale6,
-    sub6,
     sym6_inverse,
     sym6_mul,
     sym6_outer,
     sym6_to_mat,
+    zero6,
 )
 from ospace.kernels.tables import Floats, Ints
 
@@ -98,66 +99,64 @@ def block(n: int, b: int) -> int:
 
 
 @inlined
-def place_nodes(nodes: Nodes, frames: Frames, at: Spread, y: Table | None) -> None:
-    """K is the shift to the point, or 1 at a junction; L, and `y` where it is wanted, are zero."""
-    o = like(0.0, frames.R[0, 0])
-    i = like(1.0, frames.R[0, 0])
+def place_points(nodes: Nodes, frames: Frames, place: Table) -> None:
+    """Where the points are, about the base."""
+    for n in range(1, nodes.parent.size):
+        if nodes.point[n] >= 0:
+            link = nodes.link[n]
+            store3(place, n, add3(load3(frames.r, link), rotate(load9(frames.R, link), load3(nodes.offset, n))))
+
+
+@inlined
+def begin(nodes: Nodes, at: Spread, y: Table) -> None:
+    """K is the shift to the point, or 1 at a junction; L and y are zero."""
+    o, i = like(0.0, at.K[0, 0]), like(1.0, at.K[0, 0])
     one = (
         (i, o, o, o, o, o) + (o, i, o, o, o, o) + (o, o, i, o, o, o)
         + (o, o, o, i, o, o) + (o, o, o, o, i, o) + (o, o, o, o, o, i)
     )  # fmt: skip
-    zero6 = (o, o, o, o, o, o)
+    none = zero6(one)
     for n in range(1, nodes.parent.size):
-        K = one
-        if nodes.point[n] >= 0:
-            link = nodes.link[n]
-            p = add3(load3(frames.r, link), rotate(load9(frames.R, link), load3(nodes.offset, n)))
-            store3(at.place, n, p)
-            K = motions_at(p, one)
-        store36(at.K, n, K)
-        store21(at.L, n, zero6 + zero6 + zero6 + (o, o, o))
-        if y is not None:
-            store6(y, n, zero6)
+        store36(at.K, n, motions_at(load3(at.place, n), one) if nodes.point[n] >= 0 else one)
+        store21(at.L, n, none + none + none + (o, o, o))
+        store6(y, n, none)
 
 
 @inlined
-def load_links(I: Table, v: Table, p: Table) -> None:
-    """p_i = v_i ×̂ I_i v_i."""
+def load_links(I: Table, v: Table, a: Table, p: Table) -> None:
+    """p_i = I_i a_i + v_i ×̂ I_i v_i: the forces that keep the joints from accelerating (18)."""
     for i in range(I.shape[0]):
-        moved = load6(v, i)
-        store6(p, i, cross_force(moved, sym6_mul(load21(I, i), moved)))
+        store6(p, i, body_force(load21(I, i), load6(v, i), load6(a, i)))
 
 
 @inlined
 def sweep_inward(
-    joints: Joints, nodes: Nodes, S: Table, I: Table, at: Spread, c: Table | None, p: Table | None, y: Table | None
-) -> Number:
-    """Eliminate all links, the outermost first; `I` and `p` become articulated. Return the smallest share of inertia.
+    joints: Joints, nodes: Nodes, S: Table, I: Table, share: Table, at: Spread, p: Table | None, y: Table | None
+) -> None:
+    """Eliminate all links, the outermost first; `I` and `p` become articulated, `share` the links' shares of inertia.
 
-    `c`, `p` and `y` carry the bias; with None for each, none is computed.
+    `p` and `y` carry the bias; with None for each, none is computed.
     """
-    smallest = like(1.0e300, S[0, 0])
     for i in range(joints.parent.size - 1, 0, -1):
         h, n = joints.parent[i], nodes.of_link[i]
         S_i, I_i = load6(S, i), load21(I, i)
         U = sym6_mul(I_i, S_i)
         beta = dot6(S_i, U) + joints.mass[i, 1]
         beta_inv = 1.0 / beta
-        smallest = least(smallest, inertia_share(I_i, S_i, beta))
+        share[i, 0] = inertia_share(I_i, S_i, beta)
         add_to21(I, h, inertia_across(I_i, U, beta_inv))
-        K = load36(at.K, n)
-        f = mat6_mul(K, S_i)
-        g = scale6(f, beta_inv)
         if p is not None:
-            p_i = add6(load6(p, i), sym6_mul(I_i, load6(c, i)))
+            p_i = load6(p, i)
             u = dot6(S_i, p_i)
             add_to6(p, h, force_across(p_i, U, u, beta_inv))
-            if n > 0:
-                add_to6(y, n, sub6(mat6_mul(K, load6(c, i)), scale6(g, u)))
         if n > 0:
+            K = load36(at.K, n)
+            f = mat6_mul(K, S_i)
+            g = scale6(f, beta_inv)
             add_to21(at.L, n, sym6_outer(f, g))
             store36(at.K, n, mat6_add_outer(K, g, scale6(U, -1.0)))
-    return smallest
+            if p is not None:
+                add_to6(y, n, scale6(g, -u))
 
 
 @inlined
@@ -177,15 +176,17 @@ def sweep_outward(nodes: Nodes, I: Table, at: Spread) -> None:
 
 
 @inlined
-def spread_bias(nodes: Nodes, I: Table, v: Table, p: Table, y: Table, at: Spread, acceleration: Table) -> None:
+def spread_bias(
+    nodes: Nodes, I: Table, v: Table, a: Table, p: Table, y: Table, at: Spread, acceleration: Table
+) -> None:
     """ẍ_e of the points when no force acts, into rows of `acceleration`; `y` becomes the nodes' own."""
     store6(y, 0, scale6(sym6_mul(sym6_inverse(load21(I, 0)), load6(p, 0)), -1.0))
     for n in range(1, nodes.parent.size):
-        a = add6(load6(y, n), mat6_mul(load36(at.K, n), load6(y, nodes.parent[n])))
-        store6(y, n, a)
+        store6(y, n, add6(load6(y, n), mat6_mul(load36(at.K, n), load6(y, nodes.parent[n]))))
         if nodes.point[n] >= 0:
-            moved = motion_at(load3(at.place, n), load6(v, nodes.link[n]))
-            store6(acceleration, nodes.point[n], classical(a, moved))
+            place, link = load3(at.place, n), nodes.link[n]
+            a_n = add6(load6(y, n), motion_at(place, load6(a, link)))
+            store6(acceleration, nodes.point[n], classical(a_n, motion_at(place, load6(v, link))))
 
 
 @inlined

@@ -268,20 +268,30 @@ def part(whole: Any, start: int, length: int) -> Any:
     return whole[start : start + length]
 
 
+def whole_numbers(memory: Any, start: int, length: int) -> Any:
+    """Look at a stretch of flat memory as whole numbers."""
+    return memory[start : start + length].view(np.int64)
+
+
 @overload(part, strict=False)
 def _part(whole: Any, start: Any, length: Any) -> Any:
     return lambda whole, start, length: _stretch(whole, start, length)
 
 
+@overload(whole_numbers, strict=False)
+def _whole_numbers(memory: Any, start: Any, length: Any) -> Any:
+    return lambda memory, start, length: _stretch(memory, start, length)
+
+
 @intrinsic
 def _stretch(typing: Any, whole: Any, start: Any, length: Any) -> Any:
-    seen = types.Array(whole.dtype, 1, "C")
+    seen = types.Array(types.int64, 1, "C")
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         source = context.make_array(whole)(context, builder, args[0])
         result = context.make_array(seen)(context, builder)
         itemsize = context.get_constant(types.intp, 8)
-        data = builder.gep(source.data, [args[1]])
+        data = builder.bitcast(builder.gep(source.data, [args[1]]), result.data.type)
         arrayobj.populate_array(result, data, [args[2]], [itemsize], itemsize, None, None)
         return result._getvalue()
 

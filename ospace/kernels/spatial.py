@@ -143,6 +143,12 @@ def cross_force(v: Row, f: Row) -> Row:
 
 
 @inlined
+def body_force(I: Row, v: Row, a: Row) -> Row:
+    """I a + v ×̂ I v (18): what makes a body of inertia I accelerate as it does."""
+    return add6(sym6_mul(I, a), cross_force(v, sym6_mul(I, v)))
+
+
+@inlined
 def motion_at(p: Row, v: Row) -> Row:
     """The motion v, given at the base, at the point p: ᵉX ᵀv = [v + ω × p; ω]."""
     return add3(linear(v), cross(angular(v), p)) + angular(v)

@@ -1,16 +1,21 @@
 """The evaluator and the batch: the same results as one state at a time, in all their forms."""
 
+import tracemalloc
+
 import numpy as np
 import pinocchio as pin
 import pytest
 import trees
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numba.core.runtime import _nrt_python, rtsys
 
 import ospace
 from ospace.dynamics import batch, evaluator
 from ospace.dynamics.dense import Dense
-from ospace.kernels import evaluation, simd
+from ospace.kernels import memory, simd
+from ospace.link_frames import flatten
+from ospace.points import point_set
 from ospace.validation.sampling import random_state
 
 ONE_DEGREE = tuple(name for name in trees.JOINT_TYPES if name.startswith(("revolute", "continuous", "prismatic")))
@@ -79,11 +84,102 @@ def test_inertia_and_bias_force(chaser):
     np.testing.assert_array_equal(result.inertia, result.inertia.T)
 
 
-def test_what_is_not_asked_for_is_none(chaser):
-    run = ospace.OperationalSpaceEvaluator(chaser, chaser.point("head"), "inertia_inverse").update(
-        chaser.configuration()
-    )
-    assert run.inertia is run.bias_force is run.bias_acceleration is run.jacobian is run.rank is None
+@pytest.mark.parametrize("quantities", [(), ("inertia_inverse",), evaluator.QUANTITIES])
+def test_what_update_leaves_is_computed_when_it_is_read(chaser, quantities):
+    points = [chaser.point("right_hand"), chaser.point("head", "angular")]
+    run = ospace.OperationalSpaceEvaluator(chaser, points, quantities)
+    for seed in range(3):
+        state = random_state(chaser, np.random.default_rng(seed), far=seed == 1)
+        run.update(state.q, state.v)
+        reference = ospace.operational_space(state, points)
+        close(run.bias_force, reference.bias_force)
+        for name in ("inertia_inverse", "inertia", "bias_acceleration", "jacobian", "response"):
+            close(getattr(run, name), getattr(reference, name))
+        for name in ("dynamically_consistent_inverse", "null_space_projector"):
+            close(getattr(run, name), getattr(reference, name))
+        floating = ospace.generalized_jacobian(state, points)
+        close(run.generalized_jacobian, floating.generalized_jacobian)
+        close(run.generalized_inertia, ospace.generalized_dynamics(state).generalized_inertia)
+        close(run.momentum, ospace.momentum(state))
+        assert run.rank == 9
+
+
+@pytest.mark.parametrize("name", [*evaluator.QUANTITIES, "rank", "response"])
+def test_without_a_state_there_is_nothing_to_read(chaser, name):
+    run = ospace.OperationalSpaceEvaluator(chaser, chaser.point("head"))
+    with pytest.raises(ospace.OspaceError, match="update"):
+        getattr(run, name)
+    run.update(chaser.configuration())
+    with pytest.raises(ospace.OspaceError):
+        run.update(np.full(chaser.nq, np.nan))
+    with pytest.raises(ospace.OspaceError, match="update"):
+        getattr(run, name)
+
+
+def test_update_allocates_nothing(chaser):
+    state = random_state(chaser, np.random.default_rng(1))
+    q, v = state.q.copy(), state.v.copy()
+    run = ospace.OperationalSpaceEvaluator(chaser, [chaser.point("right_hand"), chaser.point("head")])
+    run.update(q, v)
+    _nrt_python.memsys_enable_stats()
+    tracemalloc.start()
+    before, (held, _) = rtsys.get_allocation_stats(), tracemalloc.get_traced_memory()
+    tracemalloc.reset_peak()
+    for _ in range(100):
+        run.update(q, v)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    allocated = rtsys.get_allocation_stats()
+    _nrt_python.memsys_disable_stats()
+    handles = 3 * 100  # numba's, of the three arrays that go in
+    assert allocated.mi_alloc - before.mi_alloc == allocated.alloc - before.alloc == handles
+    assert peak - held < run.inertia.nbytes  # Python's own objects: a tuple of arguments, a whole number
+
+
+def test_a_chain_of_a_thousand_joints_needs_no_data_of_pinocchio(monkeypatch):
+    def refuse(self, model):
+        raise AssertionError("64 nv³ bytes")
+
+    monkeypatch.setattr("ospace.pinocchio_pass.PinocchioPass.__init__", refuse)
+    robot = chain(1000)
+    q, rng = robot.configuration(), np.random.default_rng(0)
+    q[7:] = rng.uniform(-1.0, 1.0, 1000)
+    points = [robot.point("link_999"), robot.point("link_500", "linear")]
+    run = ospace.OperationalSpaceEvaluator(robot, points).update(q, rng.normal(size=1006))
+    close(run.inertia @ run.inertia_inverse, np.eye(9), 1e-9)
+    assert np.abs(run.momentum).max() > 0.0
+    twice = ospace.OperationalSpaceEvaluator(robot, [robot.point("link_9"), robot.point("link_9")]).update(q)
+    assert twice.rank == 6
+    with pytest.raises(ospace.OspaceError, match=r"q\[9\]"):
+        run.update(np.r_[q[:9], np.nan, q[10:]])
+    many = ospace.operational_space_batch(robot, points, [q, q * np.nan, q])
+    # links of 0.3 m at 300 m from the base: arithmetic about the base has so many digits less
+    close(many.inertia_inverse[2], run.update(q).inertia_inverse, 1e-9)
+    np.testing.assert_array_equal(many.bad, [1])
+
+
+def chain(joints):
+    """A chain of equal links: too long for Pinocchio's own working memory."""
+    model = pin.Model()
+    placement, body = pin.SE3.Identity(), pin.Inertia.FromBox(50.0, 1.0, 1.0, 1.0)
+    for k in range(-1, joints):
+        j = model.addJoint(k + 1, pin.JointModelRX() if k % 2 else pin.JointModelRY(), placement, f"joint_{k}")
+        if k < 0:
+            model = pin.Model()
+            j = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root_joint")
+        model.appendBodyToJoint(j, body, pin.SE3.Identity())
+        model.addBodyFrame("base" if k < 0 else f"link_{k}", j, pin.SE3.Identity(), 0)
+        placement, body = pin.SE3(np.eye(3), np.array([0.3, 0.1, 0.2])), pin.Inertia.FromBox(2.0, 0.3, 0.2, 0.1)
+    return ospace.SpaceRobot.from_model(model)
+
+
+@pytest.mark.parametrize("turns", [10**3, 10**6, 10**9])
+def test_angles_of_many_turns(chaser, turns):
+    state = random_state(chaser, np.random.default_rng(7))
+    q = state.q.copy()
+    q[9] += 2.0 * np.pi * turns
+    points = [chaser.point("right_hand")]
+    agrees(ospace.OperationalSpaceEvaluator(chaser, points).update(q, state.v), chaser.state(q, state.v), points)
 
 
 def test_joints_without_inertia_are_refused_by_both_alike():
@@ -222,6 +318,7 @@ def test_every_state_is_as_it_is_alone(chaser, points, states, whole):
         close(whole.bias_acceleration[k], one.bias_acceleration)
         close(whole.bias_force[k], one.bias_force)
         close(whole.momentum[k], ospace.momentum(state))
+        close(whole.generalized_inertia[k], ospace.generalized_dynamics(state).generalized_inertia)
         J = ospace.generalized_jacobian(state, points).generalized_jacobian
         close(whole.generalized_jacobian[k], J)
         assert whole.smallest_singular_value[k] == pytest.approx(np.linalg.svd(J, compute_uv=False)[-1], rel=1e-9)
@@ -319,18 +416,20 @@ def test_wrong_use_is_an_error(chaser, points, Q, V, out, threads, words):
 
 
 def test_an_interrupt_ends_the_run(chaser, points, many, monkeypatch):
-    def interrupt(self, chunk, memory):
+    def interrupt(self, chunk):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(batch._Work, "run", interrupt)
+    monkeypatch.setattr(batch._Worker, "run", interrupt)
     with pytest.raises(KeyboardInterrupt):
         ospace.operational_space_batch(chaser, points, *many)
 
 
-def test_the_layout_leaves_no_gap_and_no_overlap():
-    at, length = evaluation.layout(7, 4, 3, 11, 13, 12, 8)
-    ends = at[:, 0] + at[:, 1] * at[:, 2] * 8
-    np.testing.assert_array_equal(at[1:, 0], ends[:-1])
-    assert (at[0, 0], ends[-1]) == (0, length)
-    assert len(at) == len(evaluation.Work._fields)
-    assert evaluator.QUANTITIES == ("inertia_inverse", "inertia", "bias_acceleration", "bias_force", "jacobian")
+@pytest.mark.parametrize("lanes", [1, 2, 8])
+def test_tables_begin_with_a_line_of_the_cache_and_do_not_overlap(chaser, points, lanes):
+    work = memory.lay_out(flatten(chaser, point_set(chaser, points)), chaser.nq, lanes)
+    starts, rows, columns = work[: 3 * memory.TABLES].view(np.int64).reshape(-1, 3).T
+    each = np.where(np.arange(memory.TABLES) < memory.place_of("q"), 1, lanes)
+    ends = np.r_[3 * memory.TABLES, starts + rows * columns * each]
+    assert work.ctypes.data % 64 == 0
+    np.testing.assert_array_equal(starts % 8, 0)
+    assert (ends <= np.r_[starts, len(work)]).all()

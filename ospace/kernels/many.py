@@ -1,0 +1,111 @@
+"""Operational-space dynamics of many states: `evaluation` with one state in each lane."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ospace.kernels.evaluation import run, verdict
+from ospace.kernels.lanes import Number, entry, inlined
+from ospace.kernels.memory import UNIT, Wide, open_index, open_robot, open_table, open_work, place_of
+from ospace.kernels.simd import zeros
+from ospace.kernels.tables import Floats, Ints
+
+_Q, _VELOCITY, _HEALTH = place_of("q"), place_of("velocity"), place_of("health")
+_INERTIA_INVERSE, _INERTIA = place_of("inertia_inverse"), place_of("inertia")
+_BIAS_ACCELERATION, _BIAS_FORCE = place_of("bias_acceleration"), place_of("bias_force")
+_GENERALIZED_JACOBIAN, _GENERALIZED_INERTIA = place_of("generalized_jacobian"), place_of("generalized_inertia")
+_MOMENTUM = place_of("momentum")
+
+
+class Results(NamedTuple):
+    """Where the results of many states go: leading N; no rows where a result is not wanted."""
+
+    inertia_inverse: Floats
+    inertia_inverse_packed: Floats
+    inertia: Floats
+    bias_acceleration: Floats
+    bias_force: Floats
+    generalized_jacobian: Floats
+    generalized_inertia: Floats
+    momentum: Floats
+    status: Ints
+
+
+@inlined
+def gather(states: Floats, first: int, memory: Floats, start: int, lanes: int) -> None:
+    """Put the states from row `first` on into the lanes; the last one into all that are left over."""
+    for lane in range(lanes):
+        state = min(first + lane, states.shape[0] - 1)
+        for k in range(states.shape[1]):
+            memory[start + k * lanes + lane] = states[state, k]
+
+
+@inlined
+def scatter(memory: Floats, at: Ints, k: int, lanes: int, out: Floats, first: int) -> None:
+    """Write table `k` of each lane to the rows of `out`, (N, …), from row `first` on."""
+    start, count = at[3 * k], at[3 * k + 1] * at[3 * k + 2]
+    flat = out.reshape(out.shape[0], count) if out.shape[0] > 0 else out.reshape(0, 0)
+    for lane in range(min(lanes, out.shape[0] - first)):
+        for j in range(count):
+            flat[first + lane, j] = memory[start + j * lanes + lane]
+
+
+@inlined
+def scatter_packed(memory: Floats, at: Ints, k: int, lanes: int, out: Floats, first: int) -> None:
+    """Write the lower rows of a symmetric table of each lane to the rows of `out`."""
+    start, rows = at[3 * k], at[3 * k + 1]
+    for lane in range(min(lanes, out.shape[0] - first)):
+        count = 0
+        for i in range(rows):
+            for j in range(i + 1):
+                out[first + lane, count] = memory[start + (i * rows + j) * lanes + lane]
+                count += 1
+
+
+@inlined
+def evaluate_lanes(Q: Floats, V: Floats, memory: Floats, number: Number, lanes: int, out: Results) -> None:
+    """Evaluate all states of `Q` and `V`, `lanes` at a time."""
+    robot, w, at = open_robot(memory), open_work(memory, number), open_index(memory)
+    wide = Wide(w.q, w.sine, w.cosine, w.scratch, open_table(memory, at, UNIT, 0.0))
+    health = at[3 * _HEALTH]
+    for first in range(0, Q.shape[0], lanes):
+        gather(Q, first, memory, at[3 * _Q], lanes)
+        gather(V, first, memory, at[3 * _VELOCITY], lanes)
+        run(robot, w, wide)
+        scatter(memory, at, _INERTIA_INVERSE, lanes, out.inertia_inverse, first)
+        scatter_packed(memory, at, _INERTIA_INVERSE, lanes, out.inertia_inverse_packed, first)
+        scatter(memory, at, _INERTIA, lanes, out.inertia, first)
+        scatter(memory, at, _BIAS_ACCELERATION, lanes, out.bias_acceleration, first)
+        scatter(memory, at, _BIAS_FORCE, lanes, out.bias_force, first)
+        scatter(memory, at, _GENERALIZED_JACOBIAN, lanes, out.generalized_jacobian, first)
+        scatter(memory, at, _GENERALIZED_INERTIA, lanes, out.generalized_inertia, first)
+        scatter(memory, at, _MOMENTUM, lanes, out.momentum, first)
+        for lane in range(min(lanes, Q.shape[0] - first)):
+            out.status[first + lane] = verdict(
+                memory[health + lane],
+                memory[health + lanes + lane],
+                memory[health + 2 * lanes + lane],
+                memory[health + 3 * lanes + lane],
+                memory[health + 4 * lanes + lane],
+            )
+
+
+@entry
+def evaluate_8(Q: Floats, V: Floats, memory: Floats, out: Results) -> None:
+    """Evaluate many states, eight at a time."""
+    evaluate_lanes(Q, V, memory, zeros(8), 8, out)
+
+
+@entry
+def evaluate_4(Q: Floats, V: Floats, memory: Floats, out: Results) -> None:
+    """Evaluate many states, four at a time."""
+    evaluate_lanes(Q, V, memory, zeros(4), 4, out)
+
+
+@entry
+def evaluate_2(Q: Floats, V: Floats, memory: Floats, out: Results) -> None:
+    """Evaluate many states, two at a time."""
+    evaluate_lanes(Q, V, memory, zeros(2), 2, out)
+
+
+BY_WIDTH = {2: evaluate_2, 4: evaluate_4, 8: evaluate_8}
