@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -10,23 +11,41 @@ import pinocchio as pin
 from ospace.kernels.kinematics import CONTINUOUS, PRISMATIC, REVOLUTE, Joints
 from ospace.kernels.memory import Robot
 from ospace.kernels.propagated import Nodes
-from ospace.kernels.tables import Floats
-from ospace.points import PointSet
-from ospace.robot import SpaceRobot
+from ospace.kernels.tables import Floats, Ints, Links
+
+if TYPE_CHECKING:
+    from ospace.points import PointSet
+    from ospace.robot import SpaceRobot
 
 _REVOLUTE = ("RX", "RY", "RZ", "RevoluteUnaligned")
 _CONTINUOUS = ("RUBX", "RUBY", "RUBZ", "RevoluteUnboundedUnaligned")
 _PRISMATIC = ("PX", "PY", "PZ", "PrismaticUnaligned")
 
 
-def flatten(robot: SpaceRobot, given: PointSet) -> Robot | None:
-    """Lay out `robot` and points; None where a joint is neither revolute, continuous nor prismatic."""
-    kinds = _kinds(robot.model)
+class LinkFrames(NamedTuple):
+    """A robot in such frames."""
+
+    joints: Joints
+    axes: Sequence[Floats]
+    """(3, 3) of each Pinocchio joint: the link's axes in the joint's."""
+
+
+def link_frames(model: pin.Model, links: Links) -> LinkFrames | None:
+    """Lay out a model; None where a joint is neither revolute, continuous nor prismatic."""
+    kinds = _kinds(model)
     if kinds is None:
         return None
-    axes = [np.eye(3), np.eye(3)] + [_turn_z_to(_axis(joint)) for joint in list(robot.model.joints)[2:]]
-    joints = _joints(robot, kinds, axes)
-    return Robot(joints, _nodes(robot, given, axes), given.rows, np.zeros(1, dtype=np.int64))
+    axes = [np.eye(3), np.eye(3)] + [_turn_z_to(_axis(joint)) for joint in list(model.joints)[2:]]
+    return LinkFrames(_joints(model, links, kinds, axes), axes)
+
+
+def flatten(robot: SpaceRobot, given: PointSet) -> Robot | None:
+    """Lay out `robot` and points for `ospace.kernels.evaluation`; None as in `link_frames`."""
+    frames = robot.link_frames
+    if frames is None:
+        return None
+    nodes = _nodes(robot.links.parent, given, frames.axes)
+    return Robot(frames.joints, nodes, given.rows, np.zeros(1, dtype=np.int64))
 
 
 def _kinds(model: pin.Model) -> list[int] | None:
@@ -55,8 +74,8 @@ def _turn_z_to(axis: Floats) -> Floats:
     return np.column_stack([x, np.cross(axis, x), axis])
 
 
-def _joints(robot: SpaceRobot, kinds: Sequence[int], axes: Sequence[Floats]) -> Joints:
-    model, rows = robot.model, robot.n_joints + 1
+def _joints(model: pin.Model, links: Links, kinds: Sequence[int], axes: Sequence[Floats]) -> Joints:
+    rows = len(links.parent)
     A, b = np.zeros((rows, 9)), np.zeros((rows, 3))
     com, inertia = np.zeros((rows, 3)), np.zeros((rows, 6))
     first = np.zeros(rows, dtype=np.int64)
@@ -69,13 +88,13 @@ def _joints(robot: SpaceRobot, kinds: Sequence[int], axes: Sequence[Floats]) -> 
             first[i] = model.idx_qs[j]
         com[i] = axes[j].T @ model.inertias[j].lever
         inertia[i] = (axes[j].T @ model.inertias[j].inertia @ axes[j])[np.tril_indices(3)]
-    mass = np.column_stack([robot.links.mass, robot.links.armature])
-    return Joints(robot.links.parent, np.array([0, *kinds]), first, A, b, com, inertia, mass)
+    mass = np.column_stack([links.mass, links.armature])
+    return Joints(links.parent, np.array([0, *kinds]), first, A, b, com, inertia, mass)
 
 
-def _nodes(robot: SpaceRobot, given: PointSet, axes: Sequence[Floats]) -> Nodes:
+def _nodes(parent: Ints, given: PointSet, axes: Sequence[Floats]) -> Nodes:
     """Find the junctions, and number base, junctions and points from the base outward."""
-    parent, rows = robot.links.parent, robot.n_joints + 1
+    rows = len(parent)
     links = [int(link) for link in given.table.link]
     ways = np.zeros(rows, dtype=np.int64)  # ways to points that meet in a link: its own points, and its branches
     reached = np.zeros(rows, dtype=bool)

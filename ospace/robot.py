@@ -16,6 +16,7 @@ from ospace.checks import checked_vector
 from ospace.exceptions import OspaceError, UnsoundModelError, closest
 from ospace.joint_positions import Position, from_q, to_q
 from ospace.kernels.tables import Floats, Links
+from ospace.link_frames import LinkFrames, link_frames
 from ospace.pinocchio_pass import PinocchioPass
 from ospace.points import Axes, OperationalPoint, parse_axes
 from ospace.state import State
@@ -168,6 +169,11 @@ class SpaceRobot:
             self._local.scratch = PinocchioPass(self.model)
         scratch: PinocchioPass = self._local.scratch
         return scratch
+
+    @cached_property
+    def link_frames(self) -> LinkFrames | None:
+        """The robot for kernels with kinematics of their own; None where a joint type has none."""
+        return link_frames(self.model, self.links)
 
     # -- points and states -----------------------------------------------------------------------------------
 

@@ -4,10 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -57,7 +53,8 @@ def _seed(text: str) -> int:
 
 def run(given: argparse.Namespace) -> tuple[int, str]:
     """Check; return the exit status and the text to print."""
-    from ospace.cli.main import EXIT_FINDINGS
+    from ospace.cli import progress
+    from ospace.cli.main import EXIT_FINDINGS, find
     from ospace.exceptions import OspaceError, UnsoundModelError
     from ospace.robot import SpaceRobot
     from ospace.validation import report
@@ -66,50 +63,15 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
         if not Path(folder).is_dir():
             raise OspaceError(f"--package-dir {folder}: no such folder")
     try:
-        robot = SpaceRobot.from_urdf(_find(given.urdf), given.package_dir)
+        robot = SpaceRobot.from_urdf(find(given.urdf), given.package_dir)
     except UnsoundModelError as error:
         result = report.Report(None, error.findings, seed=given.seed)
     else:
         points = [robot.point(name) for name in given.point or robot.leaf_links]
-        with _progress(given) as advance:
+        with progress.bar(given, "comparing states", given.samples) as advance:
             result = report.check(robot, points, samples=given.samples, seed=given.seed, progress=advance)
     text = json.dumps(result.as_dict(), indent=2, allow_nan=False) + "\n" if given.json else _text(result, given.urdf)
     return EXIT_FINDINGS if result.errors else 0, text
-
-
-def _find(urdf: str) -> Path:
-    """Return the file, or the robot of that name that comes with ospace."""
-    from ospace import models
-
-    if os.path.lexists(urdf) or Path(urdf).name != urdf or Path(urdf).suffix:
-        return Path(urdf)
-    return models.path(urdf)
-
-
-@contextmanager
-def _progress(given: argparse.Namespace) -> Iterator[Callable[[int], None]]:
-    """Show a bar on the terminal, on standard error; nothing in a pipe but that kernels are being compiled."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-    from ospace.kernels import cache
-
-    fresh = cache.is_empty()
-    what = "compiling kernels, once for this machine (about 20 s)" if fresh else "comparing states"
-    console = Console(stderr=True)
-    if fresh and not console.is_terminal:
-        print(f"ospace: {what}", file=sys.stderr)
-    if cache.directory() is None:
-        print("ospace: no folder to keep compiled kernels in: set OSPACE_CACHE_DIR to one", file=sys.stderr)
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task(what, total=given.samples)
-
-        def advance(done: int) -> None:
-            given.refuse_if_interrupted()
-            bar.update(task, completed=done, description="comparing states")
-
-        yield advance
 
 
 # -- what people read --------------------------------------------------------------------------------------------

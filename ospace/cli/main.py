@@ -8,13 +8,15 @@ import io
 import os
 import signal
 import sys
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 
 import ospace
 
 EXIT_FINDINGS, EXIT_USAGE, EXIT_INTERRUPTED = 1, 2, 130
-_VERBS = ("check",)
+_VERBS = ("check", "bench")
 # The matrices here are small: threads of the linear algebra would wait for each other longer than they work.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -45,7 +47,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal that lacks a letter shows another
     try:
-        with _interrupts() as refuse_if_interrupted:
+        with _interrupts() as refuse_if_interrupted, warnings.catch_warnings():
+            warnings.showwarning = lambda message, *where, **more: print(f"ospace: {message}", file=sys.stderr)
             given = parser().parse_args(arguments)
             given.refuse_if_interrupted = refuse_if_interrupted
             status, text = given.run(given)
@@ -60,6 +63,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         print(f"ospace: error: {error}", file=sys.stderr)
         return EXIT_USAGE
+
+
+def find(urdf: str) -> Path:
+    """Return the file, or the robot of that name that comes with ospace."""
+    from ospace import models
+
+    if os.path.lexists(urdf) or Path(urdf).name != urdf or Path(urdf).suffix:
+        return Path(urdf)
+    return models.path(urdf)
 
 
 def _printed(text: str, status: int) -> int:

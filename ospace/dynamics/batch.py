@@ -194,8 +194,12 @@ def _over_threads(work: _Work, N: int, threads: int) -> None:
                 return
             worker.run(chunk)
 
+    threads = min(threads, -(-N // CHUNK))
+    if threads <= 1:
+        consume()
+        return
     with ThreadPoolExecutor(threads) as pool:
-        running = [pool.submit(consume) for _ in range(min(threads, -(-N // CHUNK)))]
+        running = [pool.submit(consume) for _ in range(threads)]
         try:
             for one in running:
                 one.result()

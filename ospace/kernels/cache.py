@@ -11,6 +11,7 @@ import hashlib
 import os
 import platform
 import tempfile
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -29,7 +30,7 @@ def _root() -> Path:
 
 @cache
 def directory() -> Path | None:
-    """Return the folder of the compiled kernels, or None where no such folder can be written.
+    """Return the folder of the compiled kernels, or None, with a warning, where no such folder can be written.
 
     It lies in ``$OSPACE_CACHE_DIR``, else ``$XDG_CACHE_HOME/ospace``, else ``~/.cache/ospace``.
     """
@@ -42,7 +43,9 @@ def directory() -> Path | None:
         folder = _root() / f"kernels-{key.hexdigest()[:16]}"
         folder.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=folder).close()
-    except (OSError, RuntimeError):  # RuntimeError: no home folder
+    except (OSError, RuntimeError) as error:  # RuntimeError: no home folder
+        message = f"kernels are compiled anew by each process, which takes seconds: no folder can keep them ({error}); "
+        warnings.warn(message + "set OSPACE_CACHE_DIR to one that can be written", RuntimeWarning, stacklevel=2)
         return None
     return folder
 

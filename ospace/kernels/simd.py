@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import llvmlite.binding
@@ -298,6 +299,7 @@ def _stretch(typing: Any, whole: Any, start: Any, length: Any) -> Any:
     return seen(whole, types.intp, types.intp), generate
 
 
+@cache
 def widest() -> int:
     """How many doubles this machine's processor takes in one vector."""
     features = llvmlite.binding.get_host_cpu_features()

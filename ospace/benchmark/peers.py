@@ -1,0 +1,196 @@
+"""The same quantities by ospace and by Pinocchio, as each is called at its fastest from Python."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from ospace.benchmark.timing import Way
+from ospace.dynamics.evaluator import OperationalSpaceEvaluator
+from ospace.exceptions import OspaceError
+from ospace.kernels.tables import Floats
+from ospace.points import OperationalPoint
+from ospace.robot import SpaceRobot
+
+AGREEMENT = 1e-7
+"""How far results may differ, relative to the largest number: what is timed must be the same thing, no more."""
+
+_INERTIAL = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+
+
+@dataclass(frozen=True)
+class Contest:
+    """One quantity by two ways.
+
+    Attributes
+    ----------
+    quantity, called : str
+        What is computed, and what is called for it on Pinocchio's side.
+    ours, theirs : callables of q, v
+    results : callable of q, v
+        Pairs of arrays, ours and theirs, that must agree.
+    """
+
+    quantity: str
+    called: str
+    ours: Way
+    theirs: Way
+    results: Callable[[Floats, Floats], Sequence[tuple[Floats, Floats]]]
+
+    def check(self, states: Sequence[tuple[Floats, Floats]]) -> None:
+        """Raise `OspaceError` where the two ways do not give the same numbers."""
+        for q, v in states:
+            for ours, theirs in self.results(q, v):
+                error = np.abs(ours - theirs).max(initial=0.0) / max(np.abs(theirs).max(initial=0.0), 1e-300)
+                if not error <= AGREEMENT:
+                    raise OspaceError(
+                        f"{self.quantity}: ospace and {self.called} differ by {error:.1e} (allowed {AGREEMENT:g}), so "
+                        f"there is nothing to time; run 'ospace check' on this robot"
+                    )
+
+
+class Pinocchio:
+    """Pinocchio's side for one robot and its points: its data, and what the calls need."""
+
+    def __init__(self, robot: SpaceRobot, points: Sequence[OperationalPoint]) -> None:
+        self.robot, self.points, self.model, self.data = robot, points, robot.model, robot.model.createData()
+        frame, kind = pin.ReferenceFrame.LOCAL, pin.ContactType.CONTACT_6D
+        self.constraints = [
+            pin.RigidConstraintModel(kind, robot.model, point.joint, point.placement, frame) for point in points
+        ]
+        self.constraint_data = [constraint.createData() for constraint in self.constraints]
+        self.no_torque = np.zeros(robot.nv)
+
+    def delassus(self, q: Floats, v: Floats) -> Floats:
+        """Γ_e⁻¹ in the points' own axes, by EFPA in C++."""
+        matrix: Floats = pin.computeDelassusMatrix(
+            self.model, self.data, q, self.constraints, self.constraint_data, 0.0
+        )
+        return matrix
+
+    def operational_space(self, q: Floats, v: Floats) -> tuple[Floats, Floats]:
+        """Γ_e⁻¹ and Γ_e; and accelerations when nothing acts, from which μ would follow."""
+        mobility = self.delassus(q, v)
+        inertia = np.asarray(np.linalg.inv(mobility), dtype=np.float64)
+        pin.aba(self.model, self.data, q, v, self.no_torque)
+        return mobility, inertia
+
+    def jacobians(self, q: Floats, v: Floats) -> list[Floats]:
+        """J_e of each point, columns of the base in base axes."""
+        pin.computeJointJacobians(self.model, self.data, q)
+        return [self._jacobian(point) for point in self.points]
+
+    def generalized(self, q: Floats, v: Floats) -> tuple[Floats, Floats]:
+        """J_m* of all points and H_m*, from crba."""
+        H = pin.crba(self.model, self.data, q, pin.Convention.WORLD)
+        H_b, H_bm = H[:6, :6], H[:6, 6:]
+        H_b = np.triu(H_b) + np.triu(H_b, 1).T
+        H_m = np.triu(H[6:, 6:]) + np.triu(H[6:, 6:], 1).T
+        J_b_star = -np.linalg.solve(H_b, H_bm)
+        J = np.vstack(self.jacobians(q, v))
+        return J[:, 6:] + J[:, :6] @ J_b_star, H_m + H_bm.T @ J_b_star
+
+    def _jacobian(self, point: OperationalPoint) -> Floats:
+        J: Floats = pin.getFrameJacobian(self.model, self.data, point.joint, point.placement, _INERTIAL)
+        return J
+
+    def axes(self) -> Floats:
+        """Axes of the points in inertial ones, block by block: `delassus` answers in the former."""
+        R = np.zeros((6 * len(self.points),) * 2)
+        for e, point in enumerate(self.points):
+            rotation = self.data.oMi[point.joint].rotation @ point.placement.rotation
+            R[6 * e : 6 * e + 3, 6 * e : 6 * e + 3] = R[6 * e + 3 : 6 * e + 6, 6 * e + 3 : 6 * e + 6] = rotation
+        return R
+
+    def accelerations(self, q: Floats, v: Floats) -> Floats:
+        """ẍ_e when nothing acts, inertial axes."""
+        a = pin.aba(self.model, self.data, q, v, self.no_torque)
+        pin.forwardKinematics(self.model, self.data, q, v, a)
+        return np.concatenate(
+            [
+                pin.getFrameClassicalAcceleration(self.model, self.data, point.joint, point.placement, _INERTIAL).vector
+                for point in self.points
+            ]
+        )
+
+
+def inverse_inertia(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> Contest:
+    """Γ_e⁻¹ alone."""
+    run, peer = OperationalSpaceEvaluator(robot, points, ("inertia_inverse",)), Pinocchio(robot, points)
+
+    def results(q: Floats, v: Floats) -> list[tuple[Floats, Floats]]:
+        mobility, R = peer.delassus(q, v), peer.axes()
+        return [(run.update(q, v).inertia_inverse, R @ mobility @ R.T)]
+
+    return Contest("Γ_e⁻¹", "pin.computeDelassusMatrix", run.update, peer.delassus, results)
+
+
+def operational_space_terms(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> Contest:
+    """Γ_e⁻¹, Γ_e and μ_e."""
+    run, peer = OperationalSpaceEvaluator(robot, points), Pinocchio(robot, points)
+
+    def results(q: Floats, v: Floats) -> list[tuple[Floats, Floats]]:
+        mobility, inertia = peer.operational_space(q, v)
+        R = peer.axes()
+        ours = run.update(q, v)
+        bias_force = -R @ inertia @ R.T @ peer.accelerations(q, v)
+        return [
+            (ours.inertia_inverse, R @ mobility @ R.T),
+            (ours.inertia, R @ inertia @ R.T),
+            (ours.bias_force, bias_force),
+        ]
+
+    called = "pin.computeDelassusMatrix, np.linalg.inv, pin.aba"
+    return Contest("Γ_e⁻¹, Γ_e, μ, μ_e", called, run.update, peer.operational_space, results)
+
+
+def jacobian(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> Contest:
+    """J_e."""
+    run, peer = OperationalSpaceEvaluator(robot, points, ("jacobian",)), Pinocchio(robot, points)
+
+    def results(q: Floats, v: Floats) -> list[tuple[Floats, Floats]]:
+        return [(run.update(q, v).jacobian[:, 6:], np.vstack(peer.jacobians(q, v))[:, 6:])]
+
+    return Contest("J_e", "pin.computeJointJacobians, getFrameJacobian", run.update, peer.jacobians, results)
+
+
+def generalized(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> Contest:
+    """J_m*, M_0 and H_m*."""
+    run, peer = OperationalSpaceEvaluator(robot, points, ("generalized_inertia",)), Pinocchio(robot, points)
+
+    def results(q: Floats, v: Floats) -> list[tuple[Floats, Floats]]:
+        J_m_star, H_m_star = peer.generalized(q, v)
+        ours = run.update(q, v)
+        return [(ours.generalized_jacobian, J_m_star), (ours.generalized_inertia, H_m_star)]
+
+    called = "pin.crba, computeJointJacobians, np.linalg.solve"
+    return Contest("J_m*, H_m*, M_0", called, run.update, peer.generalized, results)
+
+
+CONTESTS: tuple[Callable[[SpaceRobot, Sequence[OperationalPoint]], Contest], ...] = (
+    inverse_inertia,
+    operational_space_terms,
+    jacobian,
+    generalized,
+)
+
+
+def spread_points(robot: SpaceRobot, count: int) -> list[OperationalPoint]:
+    """Return points on `count` links: the outermost first, then the others from the last one inward."""
+    model = robot.model
+    leaves = [robot.point(name) for name in robot.leaf_links]
+    moving = [point for point in leaves if point.joint > 1]
+    taken = {point.joint for point in moving}
+    inner: list[Any] = []
+    for j in range(model.njoints - 1, 0, -1):
+        frame = next((f for f in model.frames if f.parentJoint == j and f.type == pin.FrameType.BODY), None)
+        if j not in taken and frame is not None:
+            inner.append(robot.point(frame.name))
+    distinct = list({point.joint: point for point in [*moving, *inner]}.values())
+    if len(distinct) < count:
+        raise OspaceError(f"robot '{robot.name}' has {len(distinct)} links to put points on, not {count}")
+    return distinct[:count]

@@ -1,0 +1,148 @@
+"""``ospace bench [URDF]``: how fast this machine computes the quantities, side by side with Pinocchio."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from ospace.benchmark.report import Benchmark
+    from ospace.benchmark.timing import Ratio
+
+_WIDTH = 120
+
+
+def add_to(verbs: Any) -> None:
+    """Describe the verb to argparse."""
+    verb = verbs.add_parser(
+        "bench",
+        help="time ospace and Pinocchio side by side",
+        description="Compute each quantity by ospace and by Pinocchio, see that both give the same numbers, and time "
+        "them in windows that take turns. Exit status: 0 measured, 2 unreadable input, unwritable output, wrong usage "
+        "or different numbers, 130 interrupted.",
+    )
+    verb.add_argument(
+        "urdf", metavar="URDF", nargs="?", default="chaser_24dof", help="a file, or a robot that comes with ospace"
+    )
+    verb.add_argument("--points", metavar="N", type=_count, help="at most N operational points at once (default: 6)")
+    verb.add_argument("--seconds", metavar="S", type=_seconds, default=1.0, help="time for each row (default: 1)")
+    verb.add_argument("--json", action="store_true", help="print one JSON document instead of tables")
+    verb.add_argument("--plot", metavar="FILE", type=_plot, help="write a plot: .svg, .png or .pdf")
+    verb.set_defaults(run=run)
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= 100:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number of points from 1 to 100")
+    return int(text)
+
+
+def _seconds(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = math.nan
+    if not 0.0 < seconds <= 3600.0:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a time in seconds, above 0 and up to 3600")
+    return seconds
+
+
+def _plot(text: str) -> Path:
+    path = Path(text)
+    if path.suffix not in (".svg", ".png", ".pdf"):
+        raise argparse.ArgumentTypeError(f"'{text}' ends neither in .svg nor .png nor .pdf")
+    if not path.parent.is_dir():
+        raise argparse.ArgumentTypeError(f"'{text}': no such folder '{path.parent}'")
+    return path
+
+
+def run(given: argparse.Namespace) -> tuple[int, str]:
+    """Measure; return the exit status and the text to print."""
+    from ospace.benchmark import plot, report
+    from ospace.cli import progress
+    from ospace.cli.main import find
+    from ospace.robot import SpaceRobot
+
+    if given.plot:
+        plot.require()
+    robot = SpaceRobot.from_urdf(find(given.urdf))
+    with progress.bar(given, "comparing results", 1):
+        plan = report.prepare(robot, given.points)
+    with progress.bar(given, "timing", plan.turns) as advance:
+        result = report.run(plan, seconds=given.seconds, tick=_counted(advance))
+    if given.plot:
+        plot.save(result, given.plot)
+    if given.json:
+        return 0, json.dumps(result.as_dict(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return 0, _text(result)
+
+
+def _counted(advance: Any) -> Any:
+    done = 0
+
+    def tick() -> None:
+        nonlocal done
+        done += 1
+        advance(done)
+
+    return tick
+
+
+# -- what people read --------------------------------------------------------------------------------------------
+
+
+def _text(result: Benchmark) -> str:
+    from rich.console import Console
+
+    console = Console(highlight=False, width=_WIDTH, soft_wrap=True)
+    with console.capture() as captured:
+        _show(console, result)
+    return "\n".join(line.rstrip() for line in captured.get().splitlines()) + "\n"
+
+
+def _show(console: Console, result: Benchmark) -> None:
+    machine = dict(result.machine)
+    console.print(f"[bold]{result.robot}[/], {result.degrees_of_freedom} degrees of freedom")
+    console.print(f"{machine.pop('processor')}, {machine.pop('processors')} processors, {machine.pop('lanes')} lanes")
+    console.print(", ".join(f"{name} {version}" for name, version in machine.items()))
+    console.print(
+        f"median and quartiles of {result.windows} windows that take turns, over {result.states} states; "
+        "times from Python, all included\n"
+    )
+    one = _table("one state", "points", "Pinocchio's way")
+    for row in result.rows:
+        one.add_row(row.quantity, str(row.points), row.called, *_times(row.times))
+    many = _table("Γ_e⁻¹ of many states, times of one", "points", "states", "threads")
+    for each in result.batch:
+        many.add_row(each.output, str(each.points), str(each.states), str(each.threads), *_times(each.times))
+    console.print(one)
+    console.print(many)
+    grown = _plain_table("Γ_e⁻¹ and μ_e of two points, µs", *map(str, result.growth[0].sizes), "slope")
+    for growth in result.growth:
+        grown.add_row(growth.shape, *(f"{time:.1f}" for time in growth.ours), f"{growth.slope:.2f}")
+        dense = ("-" if time is None else f"{time:.1f}" for time in growth.dense)
+        grown.add_row(f"{growth.shape}, pin.crba and Cholesky alone", *dense, f"{growth.dense_slope:.2f}")
+    console.print(grown)
+
+
+def _table(*headings: str) -> Any:
+    return _plain_table(*headings, "ospace µs", "Pinocchio µs", "ratio", "quartiles")
+
+
+def _plain_table(*headings: str) -> Any:
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for k, heading in enumerate(headings):
+        numbers = k > 0 and heading != "Pinocchio's way"
+        table.add_column(heading, justify="right" if numbers else "left", no_wrap=numbers, overflow="fold")
+    return table
+
+
+def _times(times: Ratio) -> tuple[str, ...]:
+    return f"{times.ours:.2f}", f"{times.theirs:.2f}", f"{times.ratio:.1f}", f"{times.low:.1f}-{times.high:.1f}"
