@@ -21,7 +21,7 @@ from ospace.points import OperationalPoint, PointSet, point_set
 from ospace.robot import SpaceRobot
 
 CHUNK = 512
-_BITS = {name: bits for name, bits in BITS.items() if name != "jacobian"}
+_BITS = {name: bits for name, bits in BITS.items() if name not in ("jacobian", "generalized_bias")}
 _BITS |= {"inertia_inverse_packed": BITS["inertia_inverse"], "smallest_singular_value": BITS["generalized_jacobian"]}
 QUANTITIES = tuple(_BITS)
 _NOTHING = {

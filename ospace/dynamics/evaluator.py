@@ -31,6 +31,7 @@ BITS = {
     "jacobian": evaluation.JACOBIAN,
     "generalized_jacobian": evaluation.FLOATING,
     "generalized_inertia": evaluation.FLOATING | evaluation.GENERALIZED_INERTIA,
+    "generalized_bias": evaluation.FLOATING | evaluation.GENERALIZED_BIAS,
     "momentum": evaluation.FLOATING,
 }
 """What each quantity asks of the kernel."""
@@ -78,6 +79,8 @@ class OperationalSpaceEvaluator:
         J_m*.
     generalized_inertia : (n, n)
         H_m*.
+    generalized_bias : (n,)
+        c_m*.
     momentum : (6,)
         M_0.
 
@@ -100,6 +103,7 @@ class OperationalSpaceEvaluator:
     jacobian = _Quantity()
     generalized_jacobian = _Quantity()
     generalized_inertia = _Quantity()
+    generalized_bias = _Quantity()
     momentum = _Quantity()
 
     def __init__(
@@ -122,23 +126,24 @@ class OperationalSpaceEvaluator:
         self._rank = r = len(self._given.rows)
         self._state: State | None = None
         n, nv = robot.n_joints, robot.nv
-        shapes = ((r, r), (r, r), (r,), (r,), (r, nv), (r, n), (n, n), (6,))
+        shapes = ((r, r), (r, r), (r,), (r,), (r, nv), (r, n), (n, n), (n,), (6,))
         self._arrays: dict[str, Floats] = {name: np.zeros(shape) for name, shape in zip(BITS, shapes, strict=True)}
 
         flat = flatten(robot, self._given)
         self._on_kernel = flat is not None
         if flat is not None:
-            self._joints = flat.joints
-            self._memory = memory.lay_out(flat, robot.nq)
+            self._joints, self.nodes = flat.joints, flat.nodes
+            self.work = memory.lay_out(flat, robot.nq)
             self._evaluate: Callable[..., int] = evaluation.evaluate
-            self._wanted = memory.wanted(self._memory)
+            self._wanted = memory.wanted(self.work)
             self._wanted[0] = self._want
-            self._q, self._v = self._table("q")[:, 0], self._table("velocity")[:, 0]
-            self._arrays = {name: self._table(name).reshape(shape) for name, shape in zip(BITS, shapes, strict=True)}
-            _only_doubles(self._still, self._memory)
+            self._q, self._v = self.table("q")[:, 0], self.table("velocity")[:, 0]
+            self._arrays = {name: self.table(name).reshape(shape) for name, shape in zip(BITS, shapes, strict=True)}
+            _only_doubles(self._still, self.work)
 
-    def _table(self, name: str) -> Floats:
-        return memory.result(self._memory, name)
+    def table(self, name: str) -> Floats:
+        """Look at a table of `ospace.kernels.memory.Work`: for kernels that go on from the last state."""
+        return memory.result(self.work, name)
 
     def update(self, q: npt.ArrayLike, v: npt.ArrayLike | None = None) -> OperationalSpaceEvaluator:
         """Compute the quantities at `q` (nq,) and `v` (nv,), zero without it; return the evaluator itself.
@@ -157,15 +162,15 @@ class OperationalSpaceEvaluator:
             self._take_state(self.robot.state(q, v))
             return self
         try:
-            status = self._evaluate(q, v, self._memory)
+            status = self._evaluate(q, v, self.work)
         except (TypeError, AttributeError):  # not writable arrays of doubles; the latter where kernels run interpreted
             q = checked_vector(q, self.robot.nq, "q", self.robot.name)
             v = checked_vector(v, self.robot.nv, "v", self.robot.name)
-            status = self._evaluate(q, v, self._memory)
+            status = self._evaluate(q, v, self.work)
         if status:
             self._updated, self._known = False, 0
             if status == evaluation.BAD_INPUT:
-                status = self._evaluate(*self._in_reach(q, v), self._memory)
+                status = self._evaluate(*self._in_reach(q, v), self.work)
             self._mend(status, self._want)
         self._updated, self._known = True, self._want
         return self
@@ -204,7 +209,7 @@ class OperationalSpaceEvaluator:
         if not self._updated:
             raise OspaceError("there is no state to compute this from: call update(q, v) first, and heed its error")
         self._wanted[0] = bits
-        status = self._evaluate(self._q, self._v, self._memory)
+        status = self._evaluate(self._q, self._v, self.work)
         self._wanted[0] = self._want
         self._mend(status, bits)
         self._known |= bits
@@ -223,7 +228,7 @@ class OperationalSpaceEvaluator:
         if status == evaluation.BAD_INPUT:
             raise not_finite("the operational-space dynamics")
         if status == evaluation.SINGULAR:
-            none = np.flatnonzero(~(self._table("share")[1:, 0] > NO_INERTIA))
+            none = np.flatnonzero(~(self.table("share")[1:, 0] > NO_INERTIA))
             raise SingularInertiaError(self.robot.joint_of_link(int(none[-1]) + 1))
         if status == evaluation.DEPENDENT:
             self._invert_on_range(bits)
@@ -231,11 +236,11 @@ class OperationalSpaceEvaluator:
     def _invert_on_range(self, bits: int) -> None:
         """Γ_e, μ_e and the rank where rows depend on each other."""
         self._wanted[0] = BITS["jacobian"] | BITS["momentum"]
-        self._evaluate(self._q, self._v, self._memory)
+        self._evaluate(self._q, self._v, self.work)
         self._wanted[0] = self._want
         arrays = self._arrays
-        base = self._table("IC")[0, [0, 2, 5, 9, 14, 20]]
-        joints = np.einsum("ij,ij->i", self._table("S"), self._table("F"))[1:] + self._joints.mass[1:, 1]
+        base = self.table("IC")[0, [0, 2, 5, 9, 14, 20]]
+        joints = np.einsum("ij,ij->i", self.table("S"), self.table("F"))[1:] + self._joints.mass[1:, 1]
         mobility = np.diag(arrays["inertia_inverse"])
         H = np.concatenate([base, joints])
         inverted = inverse_on_range(arrays["inertia_inverse"], arrays["jacobian"], mobility, H)
@@ -251,7 +256,9 @@ class OperationalSpaceEvaluator:
             self._arrays[name][:] = getattr(result, name)
         floating = generalized_jacobian(state, self._given.points)
         self._arrays["generalized_jacobian"][:] = floating.generalized_jacobian
-        self._arrays["generalized_inertia"][:] = generalized_dynamics(state).generalized_inertia
+        generalized = generalized_dynamics(state)
+        self._arrays["generalized_inertia"][:] = generalized.generalized_inertia
+        self._arrays["generalized_bias"][:] = generalized.generalized_bias
         self._arrays["momentum"][:] = momentum(state)
         self._rank, self._state = result.rank, state
         self._updated, self._known = True, -1

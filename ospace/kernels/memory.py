@@ -60,9 +60,16 @@ class Work(NamedTuple):
     IC: Table
     F: Table
     J_b_star: Table
+    base_inverse: Table
+    """(1, 21): (I_0^C)⁻¹."""
     J_m_star: Table
     """(n, 6p): the columns of J_m* as rows."""
     generalized_inertia: Table
+    generalized_bias: Table
+    base_drift: Table
+    """(1, 6): ẍ_b while no joint accelerates and nothing acts."""
+    drift: Table
+    """(p, 6): ẍ_e then."""
     momentum: Table
     columns: Table
     """(nv, 6p): the columns of J_e as rows."""
@@ -135,8 +142,12 @@ def work_shapes(links: int, nodes: int, points: int, rows: int, nq: int, lanes: 
         IC=(links, 21),
         F=(links, 6),
         J_b_star=(links, 6),
+        base_inverse=(1, 21),
         J_m_star=(links - 1, 6 * points),
         generalized_inertia=(links - 1, links - 1),
+        generalized_bias=(links - 1, 1),
+        base_drift=(1, 6),
+        drift=(points, 6),
         momentum=(1, 6),
         columns=(nv, 6 * points),
         jacobian=(rows, nv),
@@ -272,6 +283,10 @@ def open_work(memory: Floats, number: Number) -> Work:
         open_table(memory, at, 32, number),
         open_table(memory, at, 33, number),
         open_table(memory, at, 34, number),
+        open_table(memory, at, 35, number),
+        open_table(memory, at, 36, number),
+        open_table(memory, at, 37, number),
+        open_table(memory, at, 38, number),
     )
 
 

@@ -100,6 +100,7 @@ def test_what_update_leaves_is_computed_when_it_is_read(chaser, quantities):
         floating = ospace.generalized_jacobian(state, points)
         close(run.generalized_jacobian, floating.generalized_jacobian)
         close(run.generalized_inertia, ospace.generalized_dynamics(state).generalized_inertia)
+        close(run.generalized_bias, ospace.generalized_dynamics(state).generalized_bias)
         close(run.momentum, ospace.momentum(state))
         assert run.rank == 9
 
