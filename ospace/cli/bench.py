@@ -70,6 +70,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
 
     if given.plot:
         plot.require()
+        given.plot.open("ab").close()  # whether it can be written, before anything is measured
     robot = SpaceRobot.from_urdf(find(given.urdf))
     with progress.bar(given, "comparing results", 1):
         plan = report.prepare(robot, given.points)

@@ -38,7 +38,7 @@ FAR_ANGLE = 1e5
 
 
 @inlined
-def take_input(joints: Joints, w: Work, moving: bool) -> None:
+def take_input(joints: Joints, w: Work) -> None:
     """Bring quaternion and (cos, sin) pairs in `w.q` to unit length; note how far they were, and what is not finite.
 
     Angles count as far from unit length where they pass what `sine_cosine` is good for.
@@ -46,9 +46,8 @@ def take_input(joints: Joints, w: Work, moving: bool) -> None:
     blemish, stray = like(0.0, w.q[0, 0]), like(0.0, w.q[0, 0])
     for k in range(w.q.shape[0]):
         blemish = blemish + 0.0 * w.q[k, 0]  # not zero for what is not finite
-    if moving:
-        for k in range(w.velocity.shape[0]):
-            blemish = blemish + 0.0 * w.velocity[k, 0]
+    for k in range(w.velocity.shape[0]):
+        blemish = blemish + 0.0 * w.velocity[k, 0]
     x, y, z, u = w.q[3, 0], w.q[4, 0], w.q[5, 0], w.q[6, 0]
     length = x * x + y * y + z * z + u * u
     stray = largest(stray, size(length - 1.0))
@@ -73,7 +72,7 @@ def run(robot: Robot, w: Work, wide: Wide) -> None:
     """From `w.q` and `w.velocity` to the results."""
     joints, nodes, frames, want = robot.joints, robot.nodes, Frames(w.R, w.r), robot.want[0]
     moving = want & (BIAS | FLOATING) != 0
-    take_input(joints, w, moving)
+    take_input(joints, w)
     sines_cosines(wide.q, wide.sine, wide.cosine)
     place_links(joints, w.q, w.sine, w.cosine, frames, w.S, w.I)
     propagated.place_points(nodes, frames, w.place)
@@ -94,6 +93,8 @@ def run(robot: Robot, w: Work, wide: Wide) -> None:
         if want & INERTIA:
             rows = symmetric.Rows(w.scratch, wide.scratch, wide.unit, w.scale)
             w.health[0, 3] = symmetric.inverse(w.inertia_inverse, rows, w.inertia)
+            for i in range(w.inertia.shape[0]):
+                w.health[0, 4] = w.health[0, 4] + 0.0 * w.inertia[i, i]
             if want & BIAS:
                 load_bias(w)
 

@@ -79,7 +79,7 @@ class Work(NamedTuple):
     scale: Table
     health: Table
     """(1, 5): zero, or not a number where input or result is not finite; how far quaternions are from unit length; the
-    smallest share of inertia; the smallest pivot of Γ_e⁻¹; zero, or not a number where μ_e is not finite."""
+    smallest share of inertia; the smallest pivot of Γ_e⁻¹; zero, or not a number where Γ_e or μ_e is not finite."""
 
 
 class Wide(NamedTuple):
@@ -114,7 +114,7 @@ def padded(length: Any) -> Any:
 
 def work_shapes(links: int, nodes: int, points: int, rows: int, nq: int, lanes: int) -> Work:
     """Return rows and columns of every table of work."""
-    nv = links + 5
+    nv, even = links + 5, rows + rows % 2
     return Work(
         q=(nq, 1),
         sine=(nq, 1),
@@ -152,7 +152,7 @@ def work_shapes(links: int, nodes: int, points: int, rows: int, nq: int, lanes: 
         columns=(nv, 6 * points),
         jacobian=(rows, nv),
         generalized_jacobian=(rows, links - 1),
-        scratch=(rows + 1, padded(rows) if lanes == 1 else rows),
+        scratch=(even + 2, padded(even) if lanes == 1 else even),
         scale=(rows, 1),
         health=(1, 5),
     )
@@ -162,9 +162,10 @@ def lay_out(robot: Robot, nq: int, lanes: int = 1) -> Floats:
     """Return the array for `robot`, with room for one state in each of `lanes`."""
     joints, nodes = robot.joints, robot.nodes
     points, rows = int((nodes.point >= 0).sum()), len(robot.rows)
+    even = rows + rows % 2
     lists = [joints.parent, joints.kind, joints.first, nodes.parent, nodes.link, nodes.point, nodes.until]
     lists += [nodes.of_link, robot.rows, robot.want]
-    constants = [joints.A, joints.b, joints.com, joints.inertia, joints.mass, nodes.offset, np.eye(rows, padded(rows))]
+    constants = [joints.A, joints.b, joints.com, joints.inertia, joints.mass, nodes.offset, np.eye(even, padded(even))]
     shapes = [(len(one), 1) for one in lists] + [one.shape for one in constants]
     shapes += work_shapes(len(joints.parent), len(nodes.parent), points, rows, nq, lanes)
     sizes = np.array(shapes, dtype=np.int64)
