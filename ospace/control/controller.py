@@ -26,6 +26,8 @@ from ospace.points import OperationalPoint
 from ospace.robot import SpaceRobot
 
 _COMPONENTS = ("force x", "force y", "force z", "torque x", "torque y", "torque z")
+_EXCESS = 1e-5
+"""Excess over motion limits that counts as one, rad/s²."""
 _BRAKING_TIME = 0.1
 """Within which joints are braked where nothing can be solved, s."""
 
@@ -137,6 +139,10 @@ class Controller:
         self._levels = sorted({task.level for task in self.tasks if task.level is not None})
         self._moving: list[tuple[int, Function]] = []
         self._begun = False
+        self._references: list[Reference | None] = [None] * len(self.tasks)
+        for t, task in enumerate(self.tasks):
+            if task.reference is not None:
+                self._set_reference(t, task.reference)
         self._inside_since = np.full(len(self.tasks), np.nan)
 
     # -- one cycle -------------------------------------------------------------------------------------------
@@ -197,7 +203,7 @@ class Controller:
         relaxed = solve_with_slack(self._program, n, self._solve)
         if relaxed is not None and np.isfinite(relaxed[0]).all():
             z, excess = relaxed
-            passed = {self._layout.joints[j]: float(excess[j]) for j in range(n) if excess[j] > 1e-9}
+            passed = {self._layout.joints[j]: float(excess[j]) for j in range(n) if excess[j] > _EXCESS}
             return z, "softened", passed
         z = np.zeros(len(self._program.f))
         z[:n] = -self._v[6:] / _BRAKING_TIME
@@ -354,14 +360,18 @@ class Controller:
                 posture = {**joints, **(task.posture or {})}
                 self._tasks.posture[t] = [float(posture[name]) for name in self.robot.joint_names]
             poses = [self._pose(e) for e in self._tasks.point[t] if e >= 0]
-            self._set_reference(t, task.reference or Constant(task.initial(poses, centre)))
+            if self._references[t] is None:
+                self._set_reference(t, Constant(task.initial(poses, centre)))
 
     def _set_reference(self, t: int, reference: Reference) -> None:
+        self._references[t] = reference
         self._moving = [(k, one) for k, one in self._moving if k != t]
         if isinstance(reference, Function):
             self._moving.append((t, reference))
         else:
             reference.write(self._tasks.reference[t], 0.0)
+            if not np.isfinite(self._tasks.reference[t]).all():
+                raise OspaceError(f"the reference of task '{self.tasks[t].name}' is not finite")
 
 
 def _above_zero(name: str, value: float) -> float:

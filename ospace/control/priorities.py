@@ -13,8 +13,10 @@ from ospace.kernels.tables import Floats
 
 _NOTHING_LEFT = 1e-9
 """Singular values of a level's rows, over the largest, below which the level leaves a direction free."""
-_SLACK_WEIGHT = 1e6
-"""Of the squared excess over motion limits, relative to the largest weight of the program."""
+_SMALL_WEIGHT = 1e-6
+"""Of squared accelerations beside the squared excess over motion limits."""
+_ROUNDING = 1e-6
+"""Room that moved bounds get, relative and in rad/s²."""
 
 
 @dataclass(frozen=True)
@@ -69,25 +71,30 @@ def _null_space(A: Floats) -> Floats:
 def solve_with_slack(program: Program, n: int, solve: Solver) -> tuple[Floats, Floats] | None:
     """Let bounds on φ̈ give way, by as little as may be; torque and base wrench stay within theirs.
 
-    Since H_m* is invertible, the torque rows alone always leave a solution.
+    First the least excess s over the bounds is found, min |s|², then the program solved with bounds moved by s. Since
+    H_m* is invertible, the torque rows alone always leave a solution.
 
     Returns
     -------
     z, and by how much each φ̈ passes its bounds (n,); None where the solver fails.
     """
     size, rows = len(program.f), len(program.C)
-    total = size + n
-    H, f, C = np.zeros((total, total)), np.zeros(total), np.zeros((rows + 2 * n, total))
-    H[:size, :size], f[:size] = program.H, program.f
-    H[size:, size:] = np.eye(n) * _SLACK_WEIGHT * max(np.abs(np.diag(program.H)).max(), 1.0)
+    C = np.zeros((rows + 2 * n, size + n))
     C[:rows, :size] = program.C
     C[rows : rows + n, :n], C[rows : rows + n, size:] = np.eye(n), -np.eye(n)
     C[rows + n :, :n], C[rows + n :, size:] = np.eye(n), np.eye(n)
     none = np.full(n, UNLIMITED)
     lower = np.concatenate([-none, program.lower[n:size], np.zeros(n), program.lower[size:], -none, program.lower[:n]])
     upper = np.concatenate([none, program.upper[n:size], none, program.upper[size:], program.upper[:n], none])
-    found = solve(Program(H, f, C, lower, upper, program.cause))
-    if found is None:
+    H = np.diag(np.concatenate([np.full(size, _SMALL_WEIGHT), np.ones(n)]))
+    least = solve(Program(H, np.zeros(size + n), C, lower, upper, program.cause))
+    if least is None:
         return None
-    z = found[:size]
+    excess = np.maximum(least[size:], 0.0)
+    moved = excess * (1.0 + _ROUNDING) + _ROUNDING
+    lower, upper = program.lower.copy(), program.upper.copy()
+    lower[:n] -= moved
+    upper[:n] += moved
+    z = solve(Program(program.H, program.f, program.C, lower, upper, program.cause))
+    z = least[:size] if z is None else z
     return z, np.maximum(np.maximum(z[:n] - program.upper[:n], program.lower[:n] - z[:n]), 0.0)

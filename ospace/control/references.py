@@ -88,7 +88,7 @@ class Function:
         row[kernel.VELOCITY : kernel.VELOCITY + 6] = velocity
         row[kernel.ACCELERATION : kernel.ACCELERATION + 6] = acceleration
         if not np.isfinite(row).all():
-            raise OspaceError(f"the reference is not finite at {time} s")
+            raise OspaceError(f"a reference is not finite at {time} s")
 
 
 Reference = Constant | MinimumJerk | Function

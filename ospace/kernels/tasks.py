@@ -5,7 +5,11 @@ With û the actuated part of the base wrench over its scale, B its columns, and 
     ẍ_e = J_m* φ̈ + J_b H_b⁻¹ B û + a⁰_e                             (5), (7)
     A z = ẍ_ref + d (ẋ_ref − ẋ) + k e − a⁰ = b
 
-where e is the error, k a stiffness (1/s²) and d = 2 ζ √k. All in inertial axes at the point.
+where e is the error, k a stiffness (1/s²) and d = 2 ζ √k. All in inertial axes at the point. What k e + d ė asks for is
+cut to `LARGEST` in size, so that a target out of reach leaves the program well scaled.
+
+The error of an orientation is the vector of the turn that is left, R_ref Rᵀ; its rate is ω_ref − ω, and that of its
+rate α_ref − α − ω_ref × ω, for small errors.
 """
 
 from __future__ import annotations
@@ -21,17 +25,22 @@ from ospace.kernels.spatial import (
     add3,
     add6,
     cross,
+    dot6,
     force_from,
     mat3_mul,
     mat3_transpose,
     motion_at,
     rotate,
     scale3,
+    scale6,
     sub6,
     sym6_mul,
     zero6,
 )
 from ospace.kernels.tables import Floats, Ints
+
+LARGEST = 1e3
+"""m/s², rad/s²."""
 
 MOTION, RELATIVE, LOOK_AT, CENTRE_OF_MASS, MOMENTUM, POSTURE, DAMPING = range(7)
 
@@ -189,7 +198,8 @@ def ask(tasks: Tasks, rows: Rows, t: int, error: Row, rate: Row, drift: Row) -> 
     """Write the rows taken of the task's block: b = d rate + k error − drift, where `rate` is ẋ_ref − ẋ."""
     k_l, d_l, k_a, d_a = tasks.gain[t, 0], tasks.gain[t, 1], tasks.gain[t, 2], tasks.gain[t, 3]
     asked = add6(scale3(error[0:3], k_l) + scale3(error[3:6], k_a), scale3(rate[0:3], d_l) + scale3(rate[3:6], d_a))
-    asked = sub6(asked, drift)
+    size = math.sqrt(dot6(asked, asked))
+    asked = sub6(scale6(asked, LARGEST / size if size > LARGEST else 1.0), drift)
     for row in range(tasks.first[t], tasks.first[t + 1]):
         c = tasks.rows[row]
         rows.b[row] = component(asked, c)
@@ -218,7 +228,8 @@ def motion_rows(w: Work, robot: Robot, base: Actuation, tasks: Tasks, rows: Rows
     rate = sub3(sub3(v_ref[0:3], base_velocity(w)), v[0:3]) + sub3(v_ref[3:6], v[3:6])
     for k in range(rows.block.shape[0]):
         store6(rows.block, k, column_of(w, base, tasks, e, k))
-    ask(tasks, rows, t, error, rate, sub6(load6(w.drift, e), a_ref))
+    turning = (0.0, 0.0, 0.0) + cross(v_ref[3:6], v[3:6])
+    ask(tasks, rows, t, error, rate, sub6(add6(load6(w.drift, e), turning), a_ref))
 
 
 @inlined
@@ -229,16 +240,17 @@ def relative_rows(w: Work, robot: Robot, base: Actuation, tasks: Tasks, rows: Ro
     R_b = turn_of(w, robot, tasks, b)
     r = sub3(place_of(w, tasks, a), place_of(w, tasks, b))
     v_a, v_b = velocity_of(w, robot, tasks, a), motion_at(r, velocity_of(w, robot, tasks, b))
-    v = sub6(v_a, v_b)  # as seen from b
-    omega = v_b[3:6]
+    v, omega = sub6(v_a, v_b), v_b[3:6]  # as seen from b
     turn = rotation_vector(mat3_mul(mat3_mul(R_b, R_ref), mat3_transpose(turn_of(w, robot, tasks, a))))
     error = sub3(rotate(R_b, place), r) + turn
-    rate = sub6(rotate(R_b, v_ref[0:3]) + rotate(R_b, v_ref[3:6]), v)
+    asked_v = rotate(R_b, v_ref[0:3]) + rotate(R_b, v_ref[3:6])
+    rate = sub6(asked_v, v)
     for k in range(rows.block.shape[0]):
         moved = motion_at(r, column_of(w, base, tasks, b, k))
         store6(rows.block, k, sub6(column_of(w, base, tasks, a, k), moved))
     drift = sub6(load6(w.drift, a), motion_at(r, load6(w.drift, b)))
     turning = add3(cross(omega, cross(omega, r)), scale3(cross(omega, v[0:3]), 2.0)) + cross(omega, v[3:6])
+    turning = sub6(turning, (0.0, 0.0, 0.0) + cross(asked_v[3:6], v[3:6]))
     asked = rotate(R_b, a_ref[0:3]) + rotate(R_b, a_ref[3:6])
     ask(tasks, rows, t, error, rate, sub6(sub6(drift, turning), asked))
 
@@ -247,7 +259,8 @@ def relative_rows(w: Work, robot: Robot, base: Actuation, tasks: Tasks, rows: Ro
 def look_at_rows(w: Work, robot: Robot, base: Actuation, tasks: Tasks, rows: Rows, t: int, time: float) -> None:
     """An axis of a point looks at a place: the turn between them, about two axes across the line of sight d.
 
-    With ω_d = d × ḋ the turning of the line of sight, ω̇_d = d × (a_ref − a_e)/r − 2 (ṙ/r) ω_d.
+    With ω_d = d × ḋ the turning of the line of sight, ω̇_d = d × (a_ref − a_e)/r − 2 (ṙ/r) ω_d; a spin ω·d about it
+    turns the error along.
     """
     e = tasks.point[t, 0]
     place, _, v_ref, a_ref = follow(tasks, t, time)
@@ -270,7 +283,7 @@ def look_at_rows(w: Work, robot: Robot, base: Actuation, tasks: Tasks, rows: Row
     turn, rate = scale3(off, angle), sub3(omega_d, v[3:6])
     drift = load6(w.drift, e)
     sight = add3(scale3(cross(d, sub3(a_ref[0:3], drift[0:3])), 1.0 / r), scale3(omega_d, -2.0 * growth))
-    spin = sub3(drift[3:6], sight)
+    spin = add3(sub3(drift[3:6], sight), scale3(cross(d, v[3:6]), dot3(d, v[3:6])))
     for k in range(rows.block.shape[0]):
         column = column_of(w, base, tasks, e, k)
         c = add3(column[3:6], scale3(cross(d, column[0:3]), 1.0 / r))
@@ -350,7 +363,8 @@ def joint_rows(w: Work, robot: Robot, tasks: Tasks, rows: Rows, t: int) -> None:
                 error = math.atan2(math.sin(off), math.cos(off))
             else:
                 error = tasks.posture[t, j] - w.q[at, 0]
-        rows.b[row] = (k * error if tasks.kind[t] == POSTURE else 0.0) - d * rate
+        asked = (k * error if tasks.kind[t] == POSTURE else 0.0) - d * rate
+        rows.b[row] = min(max(asked, -LARGEST), LARGEST)
         rows.error[row] = error
         for column in range(rows.A.shape[1]):
             rows.A[row, column] = 0.0

@@ -298,7 +298,8 @@ def test_the_rank_is_that_of_the_last_state():
     robot = ospace.SpaceRobot.from_urdf(ospace.models.path("planar_2r"))
     axes = (True, True, False, False, False, False)
     points = [robot.point(robot.frame_names[0]), robot.point("end_effector", axes)]
-    bent, straight = (robot.configuration(dict(zip(robot.joint_names, angles))) for angles in ((0.3, 0.9), (0.3, 0.0)))
+    first, second = robot.joint_names
+    bent, straight = (robot.configuration({first: 0.3, second: angle}) for angle in (0.9, 0.0))
     run = ospace.OperationalSpaceEvaluator(robot, points)
     ranks = [ospace.operational_space(robot.state(q), points).rank for q in (bent, straight, bent)]
     assert len(set(ranks)) == 2
