@@ -3,8 +3,10 @@
 from ospace.exceptions import SimulationError
 from ospace.simulation.actuation import Actuation, Command, Controller
 from ospace.simulation.certificate import Certificate, Conserved
+from ospace.simulation.grasp import Grasp, grasp, release
 from ospace.simulation.measurement import Noise
 from ospace.simulation.simulate import simulate
+from ospace.simulation.target import rigid_body, tumbling
 from ospace.simulation.trajectory import Trajectory
 
 __all__ = [
@@ -13,8 +15,13 @@ __all__ = [
     "Command",
     "Conserved",
     "Controller",
+    "Grasp",
     "Noise",
     "SimulationError",
     "Trajectory",
+    "grasp",
+    "release",
+    "rigid_body",
     "simulate",
+    "tumbling",
 ]
