@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from ospace.simulation.trajectory import Trajectory
     from ospace.urdf.findings import Finding
 
 
@@ -28,6 +29,22 @@ class UrdfError(OspaceError):
         super().__init__(f"{path}: {reason}")
         self.path = path
         self.reason = reason
+
+
+class SimulationError(OspaceError):
+    """A run could not go on.
+
+    Attributes
+    ----------
+    time : float
+        When, s.
+    trajectory : Trajectory
+        What was run until then.
+    """
+
+    def __init__(self, reason: str, time: float, trajectory: Trajectory) -> None:
+        super().__init__(reason)
+        self.time, self.trajectory = time, trajectory
 
 
 class UnsoundModelError(OspaceError):

@@ -1,0 +1,85 @@
+"""What drives a robot: a controller, and what it commands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+
+from ospace.exceptions import OspaceError
+from ospace.kernels.tables import Floats
+
+
+class Command(Protocol):
+    """What a controller returns: constant until the next one, base quantities in inertial axes.
+
+    Attributes
+    ----------
+    torque : (n,) array
+        Joint torques, N m; N for prismatic joints.
+    base_wrench : (6,) array
+        Force and torque of thrusters on the base, inertial axes, at the base-link frame's origin, linear first; N, N m.
+    wheel_torque : (3,) array
+        Torque of reaction wheels on the base, inertial axes, gyroscopic part included; N m.
+    """
+
+    @property
+    def torque(self) -> Floats: ...  # noqa: D102
+    @property
+    def base_wrench(self) -> Floats: ...  # noqa: D102
+    @property
+    def wheel_torque(self) -> Floats: ...  # noqa: D102
+
+
+@dataclass(frozen=True)
+class Actuation:
+    """The plainest `Command`.
+
+    Attributes
+    ----------
+    torque : (n,) array
+        Joint torques, N m; N for prismatic joints.
+    base_wrench : (6,) array
+        Thrusters; inertial axes, at the base-link frame's origin, linear first; N, N m.
+    wheel_torque : (3,) array
+        Reaction wheels, on the base, inertial axes; N m.
+    """
+
+    torque: Floats
+    base_wrench: Floats = field(default_factory=lambda: np.zeros(6))
+    wheel_torque: Floats = field(default_factory=lambda: np.zeros(3))
+
+
+class Controller(Protocol):
+    """What `simulate` calls once a period."""
+
+    def update(self, time: float, q: Floats, v: Floats) -> Command:
+        """Return the command at `time` (s) for the measured `q` (nq,) and `v` (nv,)."""
+        ...
+
+
+Law = Callable[[float, Floats, Floats], Any]
+"""(time, q, v) to joint torques (n,), or to a `Command`."""
+
+
+def law_of(controller: Controller | Law) -> Law:
+    """Return `controller` as a function; raises `OspaceError` if it is neither a controller nor a function."""
+    law = getattr(controller, "update", controller)
+    if not callable(law):
+        raise OspaceError(f"controller {controller!r}: give an object with update(time, q, v), or a function of these")
+    return law
+
+
+def as_command(given: Any, time: float) -> Command:
+    """Return what a law gave as a `Command`; raises `OspaceError` where it is none."""
+    if hasattr(given, "torque") and hasattr(given, "base_wrench") and hasattr(given, "wheel_torque"):
+        return given  # type: ignore[no-any-return]
+    try:
+        return Actuation(np.asarray(given, dtype=np.float64))
+    except (TypeError, ValueError):
+        raise OspaceError(
+            f"the controller gave {given!r} at {time:.6g} s: give joint torques (n,), or a command with torque, "
+            f"base_wrench and wheel_torque"
+        ) from None

@@ -1,0 +1,139 @@
+"""The certificate of a run: what the laws of motion conserve, and how well the run conserved it.
+
+Between the start and each record
+
+    linear momentum      p − p_0 = ∫ f
+    angular momentum     h + h_w − h_0 − h_w,0 = ∫ (moments about the centre of mass of thrusters and external wrenches)
+    work and energy      T − T_0 = W
+    rotations            |quaternion| = 1
+
+where nothing of the right side is taken from the left: W and the impulses are integrated beside the state,
+to its accuracy. Errors are relative to scales that do not vanish when the momentum does:
+
+    linear momentum      √(2 m T) + |∫ f|           the largest momentum that so much kinetic energy can carry, and what
+    angular momentum     √(2 λ T) + |∫ n| + |h_w|   went in; λ the largest inertia of the locked robot at the start
+    work and energy      T + |W|
+
+each term at its peak over the run, T the kinetic energy in the frame that moves along with the start of the base.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ospace.kernels.tables import Floats
+
+if TYPE_CHECKING:
+    from ospace.simulation.trajectory import Trajectory
+
+LIMITS = {"linear momentum": 1e-9, "angular momentum": 1e-9, "work and energy": 1e-8, "unit rotations": 1e-9}
+"""Largest error relative to its scale that passes."""
+SYMPLECTIC_LIMITS = LIMITS | {"work and energy": 1e-4}
+"""Likewise for the symplectic integrator: its energy swings within O(h²) and does not drift."""
+
+
+@dataclass(frozen=True)
+class Conserved:
+    """One quantity of the certificate.
+
+    Attributes
+    ----------
+    name : str
+    error : float
+        Worst error of any record over `scale`.
+    limit : float
+        What passes.
+    scale : float
+        In `unit`.
+    unit : str
+    time : float
+        When the error was worst, s.
+    """
+
+    name: str
+    error: float
+    limit: float
+    scale: float
+    unit: str
+    time: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether the error is within the limit."""
+        return self.error <= self.limit
+
+    def __str__(self) -> str:
+        verdict = "pass" if self.passed else f"FAIL (worst at {self.time:.6g} s)"
+        scale = f"{self.scale:10.4g} {self.unit:<7}"
+        return f"{self.name:<17} {self.error:9.2e}  limit {self.limit:.0e}  of {scale}  {verdict}"
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """What a run conserved.
+
+    Attributes
+    ----------
+    quantities : tuple of Conserved
+    """
+
+    quantities: tuple[Conserved, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether every quantity is within its limit."""
+        return all(one.passed for one in self.quantities)
+
+    def __getitem__(self, name: str) -> Conserved:
+        return {one.name: one for one in self.quantities}[name]
+
+    def __str__(self) -> str:
+        return "\n".join(map(str, self.quantities))
+
+
+def certify(run: Trajectory) -> Certificate:
+    """Return the certificate of a run."""
+    f, moment = run.impulse[:, :3], run.impulse[:, 3:]
+    p, h = run.momentum[:, :3], run.momentum[:, 3:]
+    linear = p - p[0] - f
+
+    # Moments are known about the origin; the angular momentum about the mass centre c is L − c × p.
+    predicted = p[0] + f
+    moment_about_centre = moment - np.cross(run.mass_centre, predicted) + np.cross(run.mass_centre[0], p[0])
+    wheels = run.wheel_momentum
+    angular = h - h[0] + wheels - wheels[0] - moment_about_centre
+
+    energy = run.kinetic_energy - run.kinetic_energy[0] - run.work
+    T = run.kinetic_energy.max()
+    scales = (
+        np.sqrt(2.0 * run.total_mass * T) + _peak(f),
+        np.sqrt(2.0 * run.largest_inertia * T) + _peak(moment_about_centre) + _peak(wheels),
+        T + np.abs(run.work).max(),
+        1.0,
+    )
+    limits = SYMPLECTIC_LIMITS if run.integrator == "symplectic" else LIMITS
+    units = ("kg m/s", "kg m²/s", "J", "")
+    errors = (_lengths(linear), _lengths(angular), np.abs(energy), run.rotation_drift)
+    return Certificate(
+        tuple(
+            _worst(name, limit, error, float(scale), unit, run.time)
+            for (name, limit), error, scale, unit in zip(limits.items(), errors, scales, units, strict=True)
+        )
+    )
+
+
+def _lengths(vectors: Floats) -> Floats:
+    return np.asarray(np.linalg.norm(vectors, axis=1))
+
+
+def _peak(vectors: Floats) -> float:
+    return float(_lengths(vectors).max())
+
+
+def _worst(name: str, limit: float, errors: Floats, scale: float, unit: str, time: Floats) -> Conserved:
+    worst = int(np.argmax(errors))
+    error = float(errors[worst])
+    return Conserved(name, error / scale if error else 0.0, limit, scale, unit, float(time[worst]))

@@ -1,0 +1,187 @@
+"""One model of two robots, a link of the second fixed to a link of the first.
+
+The second robot hangs from the link g by which it is held, whatever its own base. From g on outwards, a body b whose
+frame stands at C_b as seen from where the new model has it
+
+    child c of b         joint at C_b P_c,                          C_c = 1
+    parent p of b        joint of b reversed, at C_b Z,             C_p = Z⁻¹ P_b⁻¹
+
+P the placement of a joint in its parent, Z the rotation that brings the z axis to the joint's negative axis: a reversed
+joint moves along or about that, so its position and rate keep their values.
+
+Joints are added depth first: Pinocchio's crba needs every subtree to be numbered without a gap.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from ospace.exceptions import OspaceError
+from ospace.kernels.tables import Floats
+from ospace.robot import SpaceRobot
+
+_PER_VELOCITY = (  # the same limits bear older names too, which come first
+    "effortLimit",
+    "velocityLimit",
+    "friction",
+    "armature",
+    "rotorInertia",
+    "rotorGearRatio",
+    "damping",
+    "lowerDryFrictionLimit",
+    "upperDryFrictionLimit",
+    "lowerEffortLimit",
+    "upperEffortLimit",
+    "lowerVelocityLimit",
+    "upperVelocityLimit",
+)
+_PER_POSITION = ("lowerPositionLimit", "upperPositionLimit", "positionLimitMargin")
+
+
+@dataclass(frozen=True)
+class JoinedModel:
+    """A robot made of two.
+
+    Attributes
+    ----------
+    robot : SpaceRobot
+        Base, joint names and frame names of the first; names of the second that clash are prefixed with its own.
+    first_joints, second_joints : dict of int to int
+        Pinocchio's number in `robot` of each joint of the first, and of the second without its base.
+    """
+
+    robot: SpaceRobot
+    first_joints: dict[int, int]
+    second_joints: dict[int, int]
+
+
+def join(first: SpaceRobot, at: int, second: SpaceRobot, held: int, T_AH: pin.SE3) -> JoinedModel:
+    """Fix joint frame `held` of `second` to joint frame `at` of `first`, at the pose `T_AH`.
+
+    Raises
+    ------
+    OspaceError
+        The second is held beyond a joint that cannot be reversed: one of another kind than revolute, continuous,
+        prismatic or helical.
+    """
+    builder = _Builder(first, second)
+    last = max(j for j in range(1, first.model.njoints) if at in first.model.supports[j])
+    for j in range(1, first.model.njoints):
+        builder.add_first(j)
+        if j == last:
+            builder.hang(held, builder.first_joints[at], T_AH, came_from=0)
+    builder.add_frames(at)
+    return JoinedModel(SpaceRobot.from_model(builder.model), builder.first_joints, builder.second_joints)
+
+
+class _Builder:
+    def __init__(self, first: SpaceRobot, second: SpaceRobot) -> None:
+        self.first, self.second = first.model, second.model
+        self.prefix = f"{second.name}/"
+        self.model = pin.Model()
+        self.model.name = f"{first.name}+{second.name}"
+        self.first_joints: dict[int, int] = {}
+        self.second_joints: dict[int, int] = {}
+        self._carriers: dict[int, tuple[int, pin.SE3]] = {}  # of each body of the second: new joint, and C
+        self._axes = _axes(self.second)
+
+    def add_first(self, j: int) -> None:
+        """Add joint `j` of the first robot as it is."""
+        model = self.first
+        parent = 0 if j == 1 else self.first_joints[model.parents[j]]
+        k = self.model.addJoint(parent, model.joints[j], model.jointPlacements[j], model.names[j])
+        self.model.appendBodyToJoint(k, model.inertias[j], pin.SE3.Identity())
+        self._copy_numbers(model, j, k)
+        self.first_joints[j] = k
+
+    def hang(self, body: int, joint: int, correction: pin.SE3, came_from: int) -> None:
+        """Give body `body` of the second robot to joint `joint` of the new one, and go on outwards."""
+        model = self.second
+        self.model.appendBodyToJoint(joint, model.inertias[body], correction)
+        self._carriers[body] = joint, correction
+        for child in model.children[body]:
+            if child != came_from:
+                placement = correction * model.jointPlacements[child]
+                k = self._add_second(child, model.joints[child], joint, placement)
+                self.hang(child, k, pin.SE3.Identity(), body)
+        if body != 1 and model.parents[body] != came_from:
+            kind, Z = self._reversed(body)
+            k = self._add_second(body, kind, joint, correction * Z)
+            self.hang(model.parents[body], k, (model.jointPlacements[body] * Z).inverse(), body)
+
+    def _add_second(self, j: int, kind: pin.JointModel, parent: int, placement: pin.SE3) -> int:
+        name = self.second.names[j]
+        taken = set(self.first.names)
+        k = int(self.model.addJoint(parent, kind, placement, self.prefix + name if name in taken else name))
+        self._copy_numbers(self.second, j, k)
+        self.second_joints[j] = k
+        return k
+
+    def _copy_numbers(self, source: pin.Model, j: int, k: int) -> None:
+        """Copy limits, friction and drives of joint `j` to joint `k`."""
+        rows = (source.idx_vs[j], source.idx_qs[j]), (self.model.idx_vs[k], self.model.idx_qs[k])
+        counts = source.nvs[j], source.nqs[j]
+        for which, names in enumerate((_PER_VELOCITY, _PER_POSITION)):
+            for name in names:
+                if hasattr(source, name):
+                    numbers = getattr(self.model, name).copy()
+                    numbers[rows[1][which] :][: counts[which]] = getattr(source, name)[rows[0][which] :][
+                        : counts[which]
+                    ]
+                    setattr(self.model, name, numbers)
+
+    def _reversed(self, j: int) -> tuple[pin.JointModel, pin.SE3]:
+        """Return the joint from the body of joint `j` to its parent, at the same position and rate; and Z."""
+        kind, (shift, turn) = self.second.joints[j].shortname(), self._axes[j]
+        if kind.startswith(("JointModelRUB", "JointModelRevoluteUnbounded")):
+            return pin.JointModelRUBZ(), _z_to(-turn)
+        if kind.startswith("JointModelR"):
+            return pin.JointModelRZ(), _z_to(-turn)
+        if kind.startswith("JointModelP") and kind != "JointModelPlanar":
+            return pin.JointModelPZ(), _z_to(-shift)
+        if kind.startswith("JointModelH"):
+            return pin.JointModelHZ(float(shift @ turn)), _z_to(-turn)
+        raise OspaceError(
+            f"joint '{self.second.names[j]}' of '{self.second.name}' lies between its base and the link that is "
+            f"grasped, and is a {kind[10:]} joint, which cannot be reversed: grasp a link on this side of it"
+        )
+
+    def add_frames(self, at: int) -> None:
+        """Copy frames of both robots; the second's base frames hang from the link that holds."""
+        for frame in list(self.first.frames)[1:]:
+            self._add_frame(
+                frame, frame.name, self.first_joints[frame.parentJoint], frame.parentFrame, pin.SE3.Identity()
+            )
+        taken = {frame.name for frame in self.model.frames}
+        holder = next(k for k, frame in enumerate(self.first.frames) if frame.parentJoint == at)
+        known: dict[int, int] = {}
+        for k, frame in enumerate(self.second.frames):
+            if frame.parentJoint == 0 or (frame.parentJoint == 1 and frame.type == pin.FrameType.JOINT):
+                known[k] = holder
+                continue
+            name = self.prefix + frame.name if frame.name in taken else frame.name
+            joint, correction = self._carriers[frame.parentJoint]
+            known[k] = self._add_frame(frame, name, joint, known[frame.parentFrame], correction)
+
+    def _add_frame(self, frame: pin.Frame, name: str, joint: int, parent: int, correction: pin.SE3) -> int:
+        copy = pin.Frame(name, joint, parent, correction * frame.placement, frame.type)
+        return int(self.model.addFrame(copy, False))
+
+
+def _axes(model: pin.Model) -> list[tuple[Floats, Floats]]:
+    """Return translation and rotation per unit rate, own axes, of each joint; of its first column."""
+    data = model.createData()
+    pin.computeJointJacobians(model, data, pin.neutral(model))
+    axes = [(np.zeros(3), np.zeros(3))]
+    for j in range(1, model.njoints):
+        column = pin.getJointJacobian(model, data, j, pin.ReferenceFrame.LOCAL)[:, model.idx_vs[j]]
+        axes.append((column[:3].copy(), column[3:].copy()))
+    return axes
+
+
+def _z_to(axis: Floats) -> pin.SE3:
+    """Return a rotation that brings the z axis to `axis`, of unit length."""
+    return pin.SE3(pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), axis).matrix(), np.zeros(3))

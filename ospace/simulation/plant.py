@@ -1,0 +1,162 @@
+"""The robot as integrators see it: (t, q, v) to accelerations, and to the rates of work and of momentum.
+
+    H v̇ + c = τ + Σ J_eᵀ F_e,      τ = [R_WBᵀ F_b; torques]           by `pin.aba`
+    work       Ẇ = τᵀ v + Σ F_eᵀ ẋ_e
+    momentum   ṗ = f_b + Σ f_e,    L̇ = p_b × f_b + n_b + Σ (p_e × f_e + n_e)
+
+L is the angular momentum about the origin of the frame in which q stands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from ospace.checks import checked_vector
+from ospace.exceptions import OspaceError
+from ospace.kernels.tables import Floats
+from ospace.kernels.thrust import push_base
+from ospace.points import OperationalPoint, point_set
+from ospace.robot import SpaceRobot
+from ospace.simulation.actuation import Command
+
+Wrench = npt.ArrayLike | Callable[[float], npt.ArrayLike]
+"""(6,) force and torque, inertial axes, linear first (N, N m), or a function of time (s) that returns it."""
+
+
+class Plant:
+    """Forward dynamics of a robot under what is held and what pushes it.
+
+    Attributes
+    ----------
+    torque, base_wrench, wheel_torque : (n,), (6,), (3,) arrays
+        Held until the next `hold`.
+    acceleration : (nv,) array
+        Overwritten by `accelerate`, as is
+    impulse_rate : (6,) array
+        ṗ and L̇, inertial axes.
+    """
+
+    def __init__(self, robot: SpaceRobot, wrenches: Mapping[OperationalPoint, Wrench] | None = None) -> None:
+        self.robot, self.model, self.data = robot, robot.model, robot.model.createData()
+        self.tau = np.zeros(robot.nv)
+        self.torque = self.tau[6:]
+        self._base = np.zeros((2, 6))
+        self.base_wrench, self.wheel_torque = self._base[0], self._base[1, 3:]
+        self.impulse_rate = np.zeros(6)
+        self._pushed = False
+        self._external = [(point, _function(point, wrench)) for point, wrench in (wrenches or {}).items()]
+        if self._external:
+            point_set(robot, [point for point, _ in self._external])
+        self._joints = sorted({point.joint for point, _ in self._external})
+        self._fext = pin.StdVec_Force()
+        self._fext.extend([pin.Force.Zero()] * self.model.njoints)
+        self._rotor = self.model.armature.copy()
+        self._bare = self.model
+        if self._rotor.any():
+            self._bare = pin.Model(self.model)
+            self._bare.armature = np.zeros(robot.nv)
+
+    @property
+    def isolated(self) -> bool:
+        """Whether nothing from outside acts on the robot now."""
+        return not self._pushed and not self._external
+
+    def hold(self, command: Command, time: float) -> None:
+        """Take over a command; raises `OspaceError` for a wrong shape or numbers that are not finite."""
+        n = self.robot.n_joints
+        for name, held, given in (
+            ("torque", self.torque, command.torque),
+            ("base_wrench", self.base_wrench, command.base_wrench),
+            ("wheel_torque", self.wheel_torque, command.wheel_torque),
+        ):
+            if np.shape(given) != held.shape:
+                raise OspaceError(
+                    f"{name} of the controller at {time:.6g} s has shape {np.shape(given)}; robot '{self.robot.name}' "
+                    f"with {n} joint axes needs {held.shape}"
+                )
+            held[:] = given
+        if not np.isfinite(self.tau.sum() + self._base.sum()):
+            self._refuse(command, time)
+        pushed = bool(self._base.any())
+        if self._pushed and not pushed:
+            self.tau[:6] = self.impulse_rate[:] = 0.0
+        self._pushed = pushed
+
+    def _refuse(self, command: Command, time: float) -> None:
+        for name in ("torque", "base_wrench", "wheel_torque"):
+            wrong = np.flatnonzero(~np.isfinite(getattr(command, name)))
+            if wrong.size:
+                value = getattr(command, name)[wrong[0]]
+                self.tau[:] = self._base[:] = 0.0
+                raise OspaceError(
+                    f"{name}[{wrong[0]}] of the controller at {time:.6g} s is {value}: all numbers must be finite"
+                )
+
+    def accelerate(self, time: float, q: Floats, v: Floats, acceleration: Floats) -> float:
+        """Write v̇ (nv,) to `acceleration` and ṗ, L̇ to `impulse_rate`; return the power, W."""
+        if self._pushed:
+            push_base(q, self._base, self.tau, self.impulse_rate)
+        if not self._external:
+            acceleration[:] = pin.aba(self.model, self.data, q, v, self.tau, pin.Convention.LOCAL)
+            return float(self.tau @ v)
+        self._push_points(time, q)
+        acceleration[:] = pin.aba(self.model, self.data, q, v, self.tau, self._fext, pin.Convention.LOCAL)
+        on_points = sum(float(self._fext[j].vector @ self.data.v[j].vector) for j in self._joints)
+        return float(self.tau @ v) + on_points
+
+    def generalized_force(self, time: float, q: Floats) -> Floats:
+        """Return τ + Σ J_eᵀ F_e (nv,), base rows in base axes; write ṗ, L̇ to `impulse_rate`."""
+        if self._pushed:
+            push_base(q, self._base, self.tau, self.impulse_rate)
+        if not self._external:
+            return self.tau.copy()
+        self._push_points(time, q)
+        still = np.zeros(self.robot.nv)
+        force: Floats = self.tau - pin.rnea(self.model, self.data, q, still, still, self._fext)
+        return force
+
+    def _push_points(self, time: float, q: Floats) -> None:
+        """Fill Pinocchio's external forces, each in its joint's frame, and add to `impulse_rate`."""
+        pin.forwardKinematics(self.model, self.data, q)
+        if not self._pushed:
+            self.impulse_rate[:] = 0.0
+        for j in self._joints:
+            self._fext[j] = pin.Force.Zero()
+        for point, wrench in self._external:
+            here = self.data.oMi[point.joint]
+            at_point = pin.SE3(np.eye(3), here.act(point.placement.translation))
+            about_origin = at_point.act(pin.Force(wrench(time)))
+            self._fext[point.joint] = self._fext[point.joint] + here.actInv(about_origin)
+            self.impulse_rate += about_origin.vector
+
+    def momentum(self, q: Floats, v: Floats) -> tuple[Floats, Floats, float]:
+        """Return momentum (6,), linear and about the centre of mass; that centre (3,); kinetic energy (J).
+
+        Inertial axes. The drives' inertia has its part in the energy, none in the momentum. Pinocchio 4.1 counts it
+        wrongly for revolute joints about any axis, so it is counted here.
+        """
+        momentum = pin.computeCentroidalMomentum(self.model, self.data, q, v).vector
+        energy = pin.computeKineticEnergy(self._bare, self.data)
+        if self._bare is not self.model:
+            energy += 0.5 * float(self._rotor @ (v * v))
+        return momentum, self.data.com[0], float(energy)
+
+    def largest_inertia(self, q: Floats) -> float:
+        """Return the largest principal inertia of the robot with its joints locked, about its centre of mass, kg m²."""
+        pin.ccrba(self.model, self.data, q, np.zeros(self.robot.nv))
+        return float(np.linalg.eigvalsh(self.data.Ig.inertia)[-1])
+
+
+def _function(point: OperationalPoint, wrench: Wrench) -> Callable[[float], Floats]:
+    """Return the wrench as a function of time; raises `OspaceError` for what is no wrench."""
+    if not isinstance(point, OperationalPoint):
+        raise OspaceError(f"wrenches has the key {point!r}: give points, made with robot.point('frame name')")
+    what, name = f"wrench at point '{point.frame}'", point.robot.name
+    if not callable(wrench):
+        constant = checked_vector(wrench, 6, what, name)
+        return lambda time: constant
+    return lambda time: checked_vector(wrench(time), 6, f"{what} at {time:.6g} s", name)

@@ -1,0 +1,87 @@
+"""Memory of a run: records laid out before it starts, and made a `Trajectory` of when it ends."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+from ospace.kernels.tables import Floats
+from ospace.robot import SpaceRobot
+from ospace.simulation.moving_frame import MovingFrame
+from ospace.simulation.plant import Plant
+from ospace.simulation.runge_kutta import Motion
+from ospace.simulation.trajectory import Trajectory
+
+_ROTATION_SIZES = (2, 4)
+_BEFORE_ROTATION = {"JointModelFreeFlyer": 3, "JointModelPlanar": 2}  # numbers of q that are no rotation
+
+
+class Recorder:
+    """Takes down the motion of a plant, at most `records` times."""
+
+    def __init__(self, plant: Plant, frame: MovingFrame, records: int, start: float, integrator: str) -> None:
+        self.plant, self.frame, self.start, self.integrator = plant, frame, start, integrator
+        robot = plant.robot
+        self.count = 0
+        self._elapsed = np.empty(records)
+        self._q, self._v = np.empty((records, robot.nq)), np.empty((records, robot.nv))
+        self._torque = np.empty((records, robot.n_joints))
+        self._base_wrench, self._momentum, self._impulse = np.empty((3, records, 6))
+        self._wheel_torque, self._wheel_momentum, self._mass_centre = np.empty((3, records, 3))
+        self._energy, self._work = np.empty((2, records))
+
+    def take(self, elapsed: float, motion: Motion, wheel_momentum: Floats) -> None:
+        """Take down one record, `elapsed` seconds after the start; it counts only when it is whole."""
+        plant, k = self.plant, self.count
+        self._momentum[k], self._mass_centre[k], self._energy[k] = plant.momentum(motion.q, motion.v)
+        self._elapsed[k] = elapsed
+        self._q[k], self._v[k] = motion.q, motion.v
+        self._torque[k] = plant.torque
+        self._base_wrench[k], self._wheel_torque[k] = plant.base_wrench, plant.wheel_torque
+        self._wheel_momentum[k] = wheel_momentum
+        self._work[k], self._impulse[k] = motion.work, motion.impulse
+        self.count = k + 1
+
+    def trajectory(self, interrupted: bool = False) -> Trajectory:
+        """Return what was taken down so far, in the user's frame."""
+        taken = slice(0, self.count)
+        robot = self.plant.robot
+        q, v = self.frame.leave(self._elapsed[taken], self._q[taken], self._v[taken])
+        return Trajectory(
+            robot_name=robot.name,
+            time=self.start + self._elapsed[taken],
+            q=q,
+            v=v,
+            torque=self._torque[taken],
+            base_wrench=self._base_wrench[taken],
+            wheel_torque=self._wheel_torque[taken],
+            wheel_momentum=self._wheel_momentum[taken],
+            momentum=self._momentum[taken],
+            mass_centre=self._mass_centre[taken],
+            kinetic_energy=self._energy[taken],
+            work=self._work[taken],
+            impulse=self._impulse[taken],
+            rotation_drift=rotation_drift(robot, self._q[taken]),
+            frame_velocity=self.frame.velocity,
+            total_mass=robot.total_mass,
+            largest_inertia=self.plant.largest_inertia(self._q[0]),
+            integrator=self.integrator,
+            interrupted=interrupted,
+        )
+
+
+def rotation_drift(robot: SpaceRobot, Q: Floats) -> Floats:
+    """Return how far quaternions and (cos, sin) pairs are from unit length, the worst of each row of `Q` (N, nq)."""
+    model = robot.model
+    worst = np.zeros(len(Q))
+    for j in range(1, model.njoints):
+        first, count = model.idx_qs[j], model.nqs[j]
+        if count == model.nvs[j]:
+            continue
+        rotation = Q[:, first + _BEFORE_ROTATION.get(model.joints[j].shortname(), 0) : first + count]
+        if rotation.shape[1] in _ROTATION_SIZES and count == model.nvs[j] + 1:
+            off = np.abs(np.linalg.norm(rotation, axis=1) - 1.0)
+        else:  # a joint composed of several
+            off = np.array([np.abs(pin.normalize(model, q) - q)[first : first + count].max() for q in Q])
+        np.maximum(worst, off, out=worst)
+    return worst

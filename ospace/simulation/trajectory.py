@@ -1,0 +1,160 @@
+"""What a run leaves behind."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+import pinocchio as pin
+
+from ospace.exceptions import OspaceError
+from ospace.kernels.tables import Floats
+from ospace.robot import SpaceRobot
+from ospace.simulation.certificate import Certificate, certify
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """A simulated motion in N records; base quantities in inertial axes.
+
+    Momentum, energy, work and impulses are those seen from the inertial frame that starts at the base and moves with
+    `frame_velocity`, in which they keep their digits wherever the robot is; `momentum_in_user_frame` has the others.
+
+    Attributes
+    ----------
+    robot_name : str
+    time : (N,)
+        s.
+    q, v : (N, nq), (N, nv)
+        Configurations and velocities in the user's frame, as of `SpaceRobot.state`.
+    torque, base_wrench, wheel_torque : (N, n), (N, 6), (N, 3)
+        What acts from each record on; as of `Command`.
+    wheel_momentum : (N, 3)
+        Angular momentum that reaction wheels store; kg m²/s.
+    momentum : (N, 6)
+        Linear (kg m/s), and angular about the centre of mass (kg m²/s), wheels not included.
+    mass_centre : (N, 3)
+        Seen from the moving frame, m.
+    kinetic_energy, work : (N,)
+        Energy of links and drives, and work of all forces since the start; J.
+    impulse : (N, 6)
+        ∫ of thrusters and external wrenches since the start, moments about the moving frame's origin; N s, N m s.
+    rotation_drift : (N,)
+        How far the quaternions and (cos, sin) pairs of q are from unit length.
+    frame_velocity : (3,)
+        m/s.
+    total_mass, largest_inertia : float
+        Mass (kg) and largest principal inertia of the locked robot at the start (kg m²): scales of the certificate.
+    integrator : str
+        Which one ran; it sets the limits of the certificate.
+    interrupted : bool
+        Ctrl-C ended the run.
+    """
+
+    robot_name: str
+    time: Floats
+    q: Floats
+    v: Floats
+    torque: Floats
+    base_wrench: Floats
+    wheel_torque: Floats
+    wheel_momentum: Floats
+    momentum: Floats
+    mass_centre: Floats
+    kinetic_energy: Floats
+    work: Floats
+    impulse: Floats
+    rotation_drift: Floats
+    frame_velocity: Floats
+    total_mass: float
+    largest_inertia: float
+    integrator: str
+    interrupted: bool = False
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    @property
+    def momentum_in_user_frame(self) -> Floats:
+        """Momentum (N, 6) as the user's frame sees it: linear (kg m/s), angular about the centre of mass (kg m²/s)."""
+        momentum = self.momentum.copy()
+        momentum[:, :3] += self.total_mass * self.frame_velocity
+        return momentum
+
+    def certificate(self) -> Certificate:
+        """Check what the laws of motion conserve; see `ospace.simulation.certificate`."""
+        return certify(self)
+
+    def at(self, robot: SpaceRobot, time: float) -> tuple[Floats, Floats]:
+        """Return (q, v) at `time`, s: on the geodesic between the records on either side, exact on a record.
+
+        Raises
+        ------
+        OspaceError
+            The trajectory does not reach to `time`, or is another robot's.
+        """
+        if self.q.shape[1] != robot.nq or self.v.shape[1] != robot.nv:
+            raise OspaceError(f"the trajectory is of '{self.robot_name}' (nv={self.v.shape[1]}), not of {robot!r}")
+        slack = 1e-9 * max(1.0, abs(time))
+        if not self.time[0] - slack <= time <= self.time[-1] + slack:
+            raise OspaceError(f"time {time} s: the trajectory reaches from {self.time[0]} s to {self.time[-1]} s")
+        nearest = int(np.argmin(np.abs(self.time - time)))
+        if abs(self.time[nearest] - time) <= slack:
+            return self.q[nearest].copy(), self.v[nearest].copy()
+        k = int(np.searchsorted(self.time, time)) - 1
+        share = (time - self.time[k]) / (self.time[k + 1] - self.time[k])
+        q = np.asarray(pin.interpolate(robot.model, self.q[k], self.q[k + 1], share))
+        return q, (1.0 - share) * self.v[k] + share * self.v[k + 1]
+
+    # -- files -----------------------------------------------------------------------------------------------
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write everything to ``path``, compressed; the suffix is ``.npz``. Return the file's path."""
+        file = Path(path).with_suffix(".npz")
+        np.savez_compressed(file, **{one.name: getattr(self, one.name) for one in fields(self)})
+        return file
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read what `save` wrote; raises `OspaceError` if the file cannot be read or holds something else."""
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                stored: dict[str, Any] = {name: file[name] for name in file.files}
+        except (OSError, ValueError, AttributeError) as error:
+            raise OspaceError(f"{path}: no trajectory can be read from it ({error})") from None
+        missing = [one.name for one in fields(cls) if one.name not in stored]
+        if missing or len(stored) != len(fields(cls)):
+            raise OspaceError(f"{path}: holds no trajectory of this version of ospace; missing: {', '.join(missing)}")
+        return cls(**{name: value.item() if value.ndim == 0 else value for name, value in stored.items()})
+
+    def to_csv(self, folder: str | os.PathLike[str]) -> list[Path]:
+        """Write each quantity to a file ``<quantity>.csv`` in `folder`: a line of names, then time and numbers.
+
+        Returns the paths of the files.
+        """
+        to = Path(folder)
+        to.mkdir(parents=True, exist_ok=True)
+        written = []
+        for name, unit in _COLUMNS.items():
+            values = np.atleast_2d(getattr(self, name).T).T
+            heading = ",".join(["time [s]", *(f"{name}[{k}]{unit}" for k in range(values.shape[1]))])
+            file = to / f"{name}.csv"
+            np.savetxt(file, np.c_[self.time, values], fmt="%.17g", delimiter=",", header=heading, comments="")
+            written.append(file)
+        return written
+
+
+_COLUMNS = {
+    "q": "",
+    "v": "",
+    "torque": "",
+    "base_wrench": " [N or N m]",
+    "wheel_torque": " [N m]",
+    "wheel_momentum": " [kg m^2/s]",
+    "momentum": " [kg m/s or kg m^2/s]",
+    "kinetic_energy": " [J]",
+    "work": " [J]",
+}

@@ -1,0 +1,105 @@
+"""The symplectic integrator: the variational midpoint rule on the manifold.
+
+With ξ the mean velocity of a step, q⁺ = q ⊕ hξ and the midpoint q_m = q ⊕ ½hξ, the action of a step is h T(q_m, ξ),
+T = ½ ξᵀ H(q_m) ξ. Its derivatives in q and q⁺ are the momenta at both ends (J. Marsden, M. West, "Discrete mechanics
+and variational integrators", 2001),
+
+    w   = H ξ + ½h E_vᵀ g,    g = ∂T/∂q at q_m
+    p   = Lᵀ w − h E_qᵀ g,    p⁺ = Rᵀ w
+
+where E_q, E_v are the derivatives of q ⊕ ½hξ in q and in its increment, L = −∂(q⁺ ⊖ q)/∂q and R = ∂(q⁺ ⊖ q)/∂q⁺. The
+forces of the step act as half an impulse at either end. The equation for p is solved for ξ; velocities are v = H⁻¹ p.
+
+The action does not change when all of space is moved or turned, so the momenta, linear and angular, are kept to
+rounding whatever the joint torques (Noether); the energy swings within O(h²) and does not drift. Order 2.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+from ospace.exceptions import OspaceError
+from ospace.kernels.tables import Floats
+from ospace.simulation.lie import EXP, LOG, LOG_BACK, TRANSPORT, Adjoint, series
+from ospace.simulation.plant import Plant
+from ospace.simulation.runge_kutta import Motion
+
+_AXES_TURN = ("JointModelSphericalZYX", "JointModelUniversal", "JointModelComposite")
+_NO_VECTOR = ("JointModelFreeFlyer", "JointModelPlanar", "JointModelSpherical")
+_ITERATIONS = 30
+_CLOSE = 1e-15
+_STALLED = 1e-12
+_NO_SPEED = 1e-300
+
+
+class VariationalMidpoint:
+    """Steps of a plant by the variational midpoint rule."""
+
+    def __init__(self, plant: Plant) -> None:
+        self.plant = plant
+        model = plant.model
+        for j in range(1, model.njoints):
+            _refuse(model, j)
+        self._adjoint = Adjoint(model)
+        self._still = np.zeros(model.nv)
+
+    def step(self, t: float, h: float, motion: Motion) -> None:
+        """Bring `motion` from time `t` to `t` + `h`, s."""
+        plant, model = self.plant, self.plant.model
+        q = motion.q
+        before = 0.5 * h * plant.generalized_force(t, q)
+        impulse = 0.5 * h * plant.impulse_rate
+        p = self._inertia(q) @ motion.v + before
+
+        xi, last = motion.v.copy(), np.inf
+        for _ in range(_ITERATIONS):
+            w, g, H_m, A = self._at_midpoint(q, xi, h)
+            # p = Lᵀ w − h E_qᵀ g, solved for ξ with ∂p/∂ξ ≈ H
+            correction = np.linalg.solve(H_m, p - series(LOG_BACK, A.T, w) + h * series(TRANSPORT, 0.5 * A.T, g))
+            xi += correction
+            size = float(np.abs(correction).max()) / max(_NO_SPEED, float(np.abs(xi).max()))
+            if size <= _CLOSE or _STALLED >= size >= 0.5 * last:
+                break
+            last = size
+        else:
+            raise OspaceError(f"the symplectic step at {t:.6g} s finds no end: take a smaller step than {h:g} s")
+
+        w, g, H_m, A = self._at_midpoint(q, xi, h)
+        motion.q = pin.integrate(model, q, h * xi)
+        after = 0.5 * h * plant.generalized_force(t + h, motion.q)
+        motion.v = np.asarray(np.linalg.solve(self._inertia(motion.q), series(LOG, A.T, w) + after))
+        motion.work += float((before + after) @ xi)
+        if not plant.isolated:
+            motion.impulse = motion.impulse + impulse + 0.5 * h * plant.impulse_rate
+
+    def _at_midpoint(self, q: Floats, xi: Floats, h: float) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return w, g, H(q_m) and ad_{hξ} of the mean velocity `xi`."""
+        model, data = self.plant.model, self.plant.data
+        q_m = pin.integrate(model, q, 0.5 * h * xi)
+        H_m = self._inertia(q_m)
+        pin.computeRNEADerivatives(model, data, q_m, self._still, xi)  # ∂(H ξ)/∂q
+        g: Floats = 0.5 * (xi @ data.dtau_dq)
+        A = self._adjoint.at(h * xi)
+        w: Floats = H_m @ xi + 0.5 * h * series(EXP, 0.5 * A.T, g)
+        return w, g, H_m, A
+
+    def _inertia(self, q: Floats) -> Floats:
+        upper = pin.crba(self.plant.model, self.plant.data, q)
+        H: Floats = np.triu(upper) + np.triu(upper, 1).T
+        return H
+
+
+def _refuse(model: pin.Model, j: int) -> None:
+    """Raise `OspaceError` where joint `j` has no Lagrangian that Pinocchio can differentiate."""
+    kind, columns = model.joints[j].shortname(), slice(model.idx_vs[j], model.idx_vs[j] + model.nvs[j])
+    if kind in _AXES_TURN:
+        raise OspaceError(
+            f"joint '{model.names[j]}' is a {kind[10:]} joint, whose axes turn with its own position: "
+            f"Pinocchio has no ∂T/∂q of these; take integrator='rk4'"
+        )
+    if kind in _NO_VECTOR and model.armature[columns].any():
+        raise OspaceError(
+            f"joint '{model.names[j]}' is a {kind[10:]} joint with armature {model.armature[columns]}: "
+            f"Pinocchio's drives on such joints have no gyroscopic torque, so no Lagrangian; take integrator='rk4'"
+        )
