@@ -31,6 +31,26 @@ class UrdfError(OspaceError):
         self.reason = reason
 
 
+class ScenarioError(OspaceError):
+    """A scenario could not be read, or holds mistakes.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    problems : tuple of (str, str)
+        Key, as ``phase[1].task[0].stiffness``, and what is wrong with it, in the order found.
+    key : str
+        That of the first problem.
+    """
+
+    def __init__(self, path: Path, problems: Iterable[tuple[str, str]]) -> None:
+        self.path, self.problems = path, tuple(problems)
+        self.key = self.problems[0][0] if self.problems else ""
+        texts = [f"{key}: {what}" if key else what for key, what in self.problems]
+        super().__init__(f"{path}: " + (texts[0] if len(texts) == 1 else "".join(f"\n  {text}" for text in texts)))
+
+
 class SimulationError(OspaceError):
     """A run could not go on.
 

@@ -1,4 +1,4 @@
-"""The robots that come with ospace, by name: sources and assumptions stand in each file's header."""
+"""The robots and scenarios that come with ospace, by name: sources and assumptions stand in each file's header."""
 
 from __future__ import annotations
 
@@ -29,3 +29,23 @@ def path(name: str) -> Path:
     if name not in names():
         raise OspaceError(f"'{name}' is neither a file nor a model that comes with ospace{closest(name, names())}")
     return _folder() / f"{name}.urdf"
+
+
+def scenarios() -> list[str]:
+    """Return the names that `scenario` knows."""
+    return sorted(file.stem for file in (_folder() / "scenarios").glob("*.toml"))
+
+
+def scenario(name: str) -> Path:
+    """Return the scenario called `name`, such as ``"grasp"``.
+
+    Raises
+    ------
+    OspaceError
+        No scenario of that name comes with ospace.
+    """
+    if name not in scenarios():
+        raise OspaceError(
+            f"'{name}' is neither a file nor a scenario that comes with ospace{closest(name, scenarios())}"
+        )
+    return _folder() / "scenarios" / f"{name}.toml"

@@ -1,0 +1,10 @@
+"""Scenarios: a robot, a target and phases, from a TOML file to a run with its certificate."""
+
+from ospace.exceptions import ScenarioError
+from ospace.scenario import log
+from ospace.scenario.description import Scenario
+from ospace.scenario.reading import load
+from ospace.scenario.result import PhaseResult, Run, Segment, TaskErrors
+from ospace.scenario.running import run
+
+__all__ = ["PhaseResult", "Run", "Scenario", "ScenarioError", "Segment", "TaskErrors", "load", "log", "run"]

@@ -1,0 +1,79 @@
+"""What a phase's tasks follow, from the state at its start on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from ospace.control import Constant, Function
+from ospace.control.references import Reference
+from ospace.kernels import tasks as kernel
+from ospace.kernels.tables import Floats
+from ospace.robot import SpaceRobot
+from ospace.scenario.description import Follow, Hold, Shift, TaskPlan, ToMomentum, ToPose
+from ospace.scenario.motion import Approach, FreeMotion, Goal, point_motion, still
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """The state at a phase's start, and the control cycle it is of."""
+
+    robot: SpaceRobot
+    q: Floats
+    v: Floats
+    cycle: int
+    period: float
+    target: FreeMotion | None
+
+    def reference(self, plan: TaskPlan) -> Reference | None:
+        """Return what the task follows; None for one that follows nothing."""
+        goal = plan.goal
+        if goal is None:
+            return None
+        if isinstance(goal, ToMomentum):
+            return Constant(pin.SE3.Identity(), goal.momentum)
+        if plan.type == "momentum":
+            data = self.robot.model.createData()
+            pin.computeCentroidalMomentum(self.robot.model, data, self.q, self.v)
+            return Constant(pin.SE3.Identity(), data.hg.vector.copy())
+        pose, velocity = self._now(plan)
+        if isinstance(goal, Follow):
+            if self.target is None:
+                raise AssertionError("a target that is held is not followed: refused when the scenario was read")
+            point = self.target.robot.point(goal.frame, offset=goal.offset)
+            return self._approach(plan, pose, velocity, self.target.frame(point), goal.duration)
+        if goal.duration == 0.0:
+            return Constant(self._goal(plan, pose, np.zeros(6)))
+        return self._approach(plan, pose, velocity, still(self._goal(plan, pose, velocity)), goal.duration)
+
+    def _approach(self, plan: TaskPlan, pose: pin.SE3, velocity: Floats, goal: Goal, duration: float) -> Function:
+        return Function(Approach(pose, velocity, goal, self.cycle, self.period, duration, plan.name))
+
+    def _goal(self, plan: TaskPlan, pose: pin.SE3, velocity: Floats) -> pin.SE3:
+        """Return where a goal that stays is."""
+        goal = plan.goal
+        if isinstance(goal, ToPose):
+            return pin.SE3(
+                pose.rotation if goal.rotation is None else goal.rotation,
+                pose.translation if goal.position is None else goal.position,
+            )
+        if isinstance(goal, Shift):
+            return pin.SE3(pin.exp3(goal.turn) @ pose.rotation, pose.translation + goal.shift)
+        # where a motion comes to rest whose speed falls as evenly as it may within the duration
+        way = 0.5 * (goal.duration if isinstance(goal, Hold) else 0.0) * velocity
+        return pin.SE3(pin.exp3(way[3:]) @ pose.rotation, pose.translation + way[:3])
+
+    def _now(self, plan: TaskPlan) -> tuple[pin.SE3, Floats]:
+        """Return the pose that the task would hold, and its velocity where it is that of one point."""
+        model, data = self.robot.model, self.robot.model.createData()
+        task = plan.task(self.robot)
+        centre = pin.centerOfMass(model, data, self.q, self.v).copy()
+        motions = [point_motion(one, data, self.q, self.v, np.zeros(self.robot.nv)) for one in task.points]
+        velocity = np.zeros(6)
+        if task.kind == kernel.MOTION:
+            velocity = motions[0][1]
+        elif task.kind == kernel.CENTRE_OF_MASS:
+            velocity[:3] = data.vcom[0]
+        return task.initial([pose for pose, *_ in motions], centre), velocity

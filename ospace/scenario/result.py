@@ -1,0 +1,195 @@
+"""What a run of a scenario leaves behind."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ospace.kernels.tables import Floats
+from ospace.robot import SpaceRobot
+from ospace.scenario.description import LimitsPlan, Scenario
+from ospace.simulation import Certificate, Conserved, Grasp, Trajectory
+
+Outcome = Literal["complete", "timed out", "interrupted", "failed"]
+_ROUNDING = {"torque": 1e-8, "position": 1e-6, "velocity": 1e-6}
+"""What may pass a limit, relative to the larger of it and 1."""
+
+
+@dataclass(frozen=True, eq=False)
+class TaskErrors:
+    """Errors of one task at every cycle of a phase.
+
+    Attributes
+    ----------
+    norms : (N, 2)
+        Of the linear rows and of the angular ones or of the joints; NaN where it has none.
+    units : tuple of 2 str
+    """
+
+    norms: Floats
+    units: tuple[str, str]
+
+    @property
+    def worst(self) -> Floats:
+        """The largest of each (2,)."""
+        worst: Floats = self.norms.max(axis=0)
+        return worst
+
+    @property
+    def last(self) -> Floats:
+        """Those of the last cycle (2,)."""
+        last: Floats = self.norms[-1]
+        return last
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseResult:
+    """What became of a phase.
+
+    Attributes
+    ----------
+    name : str
+    segment : int
+        Which of the run's segments it is part of.
+    start, end : float
+        s.
+    outcome : "complete", "timed out", "interrupted" or "failed"
+    reason : str
+        Why it did not complete.
+    time : (N,)
+        Of the control cycles, s.
+    errors : mapping of task name to TaskErrors
+    statuses : mapping of status to int
+        Cycles in which the controller was nominal, softened, stopped.
+    active_limits : mapping of str to int
+        Cycles in which each limit was active, by ``'joint: kind, side'``.
+    near_singularity : mapping of task name to int
+        Cycles in which the task was near a dynamic singularity.
+    cycle : float
+        Median time that a control cycle took, s.
+    grasp : Grasp, optional
+        That ended it.
+    """
+
+    name: str
+    segment: int
+    start: float
+    end: float
+    outcome: Outcome
+    reason: str
+    time: Floats
+    errors: Mapping[str, TaskErrors]
+    statuses: Mapping[str, int]
+    active_limits: Mapping[str, int]
+    near_singularity: Mapping[str, int]
+    cycle: float
+    grasp: Grasp | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """Part of a run with one and the same robot: from its start, a grasp or a release to the next.
+
+    Attributes
+    ----------
+    robot : SpaceRobot
+        The chaser, or chaser and target combined.
+    trajectory : Trajectory
+    target : SpaceRobot, optional
+        While it moves by itself.
+    target_q, target_v : (M, nq), (M, nv)
+        Its motion at `target_time`.
+    """
+
+    robot: SpaceRobot
+    trajectory: Trajectory
+    target: SpaceRobot | None
+    target_time: Floats
+    target_q: Floats
+    target_v: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A scenario that was run.
+
+    Attributes
+    ----------
+    scenario : Scenario
+    phases : tuple of PhaseResult
+        Those that began.
+    segments : tuple of Segment
+    certificate : Certificate
+        The worst of all segments, of the target by itself, and of grasps.
+    seconds : float
+        Wall time.
+    """
+
+    scenario: Scenario
+    phases: tuple[PhaseResult, ...]
+    segments: tuple[Segment, ...]
+    certificate: Certificate
+    seconds: float
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C ended it."""
+        return any(phase.outcome == "interrupted" for phase in self.phases)
+
+    @property
+    def complete(self) -> bool:
+        """Whether all phases are complete."""
+        done = [phase.outcome == "complete" for phase in self.phases]
+        return all(done) and len(done) == len(self.scenario.phases)
+
+    @property
+    def passed(self) -> bool:
+        """Whether all phases are complete and the certificate passed."""
+        return self.complete and self.certificate.passed
+
+    @property
+    def duration(self) -> float:
+        """Simulated time, s."""
+        return self.phases[-1].end if self.phases else 0.0
+
+    @property
+    def exceeded(self) -> dict[str, float]:
+        """Limits of joints that the motion passed, by ``'joint: kind'``, and by how much of their size."""
+        found: dict[str, float] = {}
+        for segment in self.segments:
+            for name, excess in _exceeded(segment, self.scenario.limits, self.scenario.robot).items():
+                found[name] = max(excess, found.get(name, 0.0))
+        return found
+
+
+def _exceeded(segment: Segment, plan: LimitsPlan, actuated: SpaceRobot) -> dict[str, float]:
+    robot, run, limits = segment.robot, segment.trajectory, plan.of(segment.robot, actuated)
+    index = [int(robot.model.idx_qs[j]) for j in range(2, robot.model.njoints)]
+    straight = np.array([robot.model.nqs[j] == 1 for j in range(2, robot.model.njoints)], dtype=bool)
+    position = np.where(straight, run.q[:, index], 0.0)
+    found: dict[str, float] = {}
+    for kind, values, low, high in (
+        ("torque", run.torque, -limits.torque, limits.torque),
+        ("position", position, limits.lower, limits.upper),
+        ("velocity", run.v[:, 6:], -limits.velocity, limits.velocity),
+    ):
+        past = np.maximum(values - high, low - values).max(axis=0)
+        for j, name in enumerate(robot.joint_names):
+            size = max(1.0, abs(high[j]) if np.isfinite(high[j]) else 1.0)
+            if past[j] > _ROUNDING[kind] * size:
+                found[f"{name}: {kind}"] = float(past[j] / size)
+    return found
+
+
+def worst(certificates: list[Certificate]) -> Certificate:
+    """Return for each quantity the one that is the worst for its limit."""
+    by_name: dict[str, Conserved] = {}
+    for certificate in certificates:
+        for one in certificate.quantities:
+            known = by_name.get(one.name)
+            if known is None or not one.error / one.limit <= known.error / known.limit:
+                by_name[one.name] = one
+    return Certificate(tuple(by_name.values()))

@@ -1,0 +1,325 @@
+"""Phase after phase: controllers in their order, the target by itself beside them, grasps and releases between."""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+
+from ospace.control import Command, Controller
+from ospace.control.references import Reference
+from ospace.exceptions import SimulationError
+from ospace.kernels import tasks as kernel
+from ospace.kernels.tables import Floats
+from ospace.robot import SpaceRobot
+from ospace.scenario.description import GraspPlan, PhasePlan, Release, Scenario
+from ospace.scenario.motion import FreeMotion
+from ospace.scenario.references import Start
+from ospace.scenario.result import Outcome, PhaseResult, Run, Segment, TaskErrors, worst
+from ospace.simulation import Certificate, Conserved, Grasp, Trajectory, grasp, simulate
+from ospace.simulation.moving_frame import MovingFrame
+from ospace.state import State
+
+_ROUNDING = 1e-9
+_GRASP_LIMIT = 1e-9
+"""Of momentum and energy in a grasp, relative to their scales."""
+
+
+def run(scenario: Scenario, progress: Callable[[float], None] | None = None) -> Run:
+    """Run a scenario.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    progress : function, optional
+        Called with the simulated time after each step, s; Ctrl-C may be raised in it.
+
+    Returns
+    -------
+    Run
+        Also where a phase timed out, the simulation failed, or Ctrl-C ended it: its `phases` tell.
+    """
+    return _Running(scenario, progress or (lambda time: None)).run()
+
+
+class _Phase:
+    """A phase on its way."""
+
+    def __init__(self, plan: PhasePlan, scenario: Scenario, start: Start, shared: dict[str, Reference]) -> None:
+        self.plan, self.first, self.period = plan, start.cycle, start.period
+        tasks = []
+        for one in plan.tasks:
+            own = one.key.startswith(plan.key)
+            reference = start.reference(one) if own else shared.get(one.name)
+            if reference is None:
+                reference = start.reference(one)
+            if not own and reference is not None:
+                shared[one.name] = reference
+            tasks.append(one.task(start.robot, reference))
+        self.controller = Controller(
+            start.robot,
+            tasks,
+            base=scenario.base,
+            limits=scenario.limits.of(start.robot, scenario.robot),
+            period=start.period,
+            solver=scenario.control.solver,
+        )
+        self._awaited = [task.name for task in tasks if task.completion is not None]
+        self._earliest = earliest(plan)
+        self.time: list[float] = []
+        self.errors: list[Floats] = []
+        self.cycles: list[float] = []
+        self.statuses: Counter[str] = Counter()
+        self.limits: Counter[str] = Counter()
+        self.singular: Counter[str] = Counter()
+        self.outcome: Outcome | None = None
+
+    def update(self, cycle: int, time: float, q: Floats, v: Floats) -> Command:
+        command = self.controller.update(time, q, v)
+        self.time.append(time)
+        self.errors.append(np.concatenate(tuple(command.errors.values())))
+        self.cycles.append(command.timing.total)
+        self.statuses[command.status] += 1
+        self.limits.update(command.active_limits)
+        self.singular.update(command.near_singularity)
+        elapsed = (cycle + 1 - self.first) * self.period  # when this command has acted
+        if elapsed >= self._earliest - _ROUNDING and all(self.controller.completed(one, time) for one in self._awaited):
+            self.outcome = "complete"
+        elif elapsed >= self.plan.timeout - _ROUNDING:
+            self.outcome = "timed out"
+        return command
+
+    def result(self, segment: int, end: float) -> PhaseResult:
+        """Return what became of it so far."""
+        E = np.array(self.errors)
+        errors, column = {}, 0
+        for task in self.controller.tasks:
+            rows = np.array(task.rows(self.controller.robot))
+            own = E[:, column : column + len(rows)]
+            column += len(rows)
+            if task.kind == kernel.DAMPING:
+                continue
+            linear = rows < 3 if task.kind != kernel.POSTURE else np.zeros(len(rows), dtype=bool)
+            norms = [
+                np.linalg.norm(own[:, part], axis=1) if part.any() else np.full(len(E), np.nan)
+                for part in (linear, ~linear)
+            ]
+            units = ("N s", "N m s") if task.kind == kernel.MOMENTUM else ("m", "rad")
+            errors[task.name] = TaskErrors(np.array(norms).T, units)
+        outcome = self.outcome or "interrupted"
+        reason = ""
+        if outcome == "timed out":
+            open_ = [one for one in self._awaited if not self.controller.completed(one, self.time[-1])]
+            reason = f"not complete after {self.plan.timeout:g} s: {', '.join(open_) or 'its motions take longer'}"
+        return PhaseResult(
+            self.plan.name,
+            segment,
+            self.first * self.period,
+            end,
+            outcome,
+            reason,
+            np.array(self.time),
+            errors,
+            dict(self.statuses),
+            dict(self.limits),
+            dict(self.singular),
+            float(np.median(self.cycles)) if self.cycles else math.nan,
+        )
+
+
+def earliest(plan: PhasePlan) -> float:
+    """Return the shortest time that a phase takes: its motions are done, and tests have held from then on; s."""
+    times = [plan.duration]
+    for task in plan.tasks:
+        motion = task.goal.duration if task.goal is not None and task.key.startswith(plan.key) else 0.0
+        times.append(motion + (task.completion.hold if task.completion else 0.0))
+    return max(times)
+
+
+class _Running:
+    def __init__(self, scenario: Scenario, progress: Callable[[float], None]) -> None:
+        self.scenario, self.progress = scenario, progress
+        self.period, self.step = scenario.control.period, scenario.control.step
+        self.ticks = round(self.period / self.step)
+        self.state = scenario.start
+        self.cycle = 0
+        self.target = self._free(scenario.target) if scenario.target is not None else None
+        self.held: Grasp | None = None
+        self.wheels = np.zeros(3)
+        self.shared: dict[str, Reference] = {}
+        self.results: list[PhaseResult] = []
+        self.segments: list[Segment] = []
+        self.certificates: list[Certificate] = []
+        self.acts: list[Conserved] = []
+
+    def run(self) -> Run:
+        began = clock.perf_counter()
+        plans = list(self.scenario.phases)
+        while plans:
+            segment = [plans.pop(0)]
+            while plans and segment[-1].action is None:
+                segment.append(plans.pop(0))
+            if not self._segment(segment) or not self._act(segment[-1]):
+                break
+        if self.target is not None:
+            self.certificates += self.target.certificates
+        certificate = worst([*self.certificates, Certificate(tuple(self.acts))])
+        seconds = clock.perf_counter() - began
+        return Run(self.scenario, tuple(self.results), tuple(self.segments), certificate, seconds)
+
+    def _free(self, state: State) -> FreeMotion:
+        control = self.scenario.control
+        return FreeMotion(state, self.cycle, control.period, control.step, control.integrator)
+
+    # -- one segment -----------------------------------------------------------------------------------------
+
+    def _segment(self, plans: list[PhasePlan]) -> bool:
+        """Run the phases up to the next grasp or release; return whether all are complete."""
+        robot = self.state.robot
+        conductor = _Conductor(self, robot, plans)
+        cycles = sum(math.ceil(plan.timeout / self.period - _ROUNDING) for plan in plans)
+        failure, first = "", self.cycle
+        try:
+            trajectory = simulate(
+                robot,
+                self.state.q,
+                self.state.v,
+                conductor,
+                duration=cycles * self.ticks * self.step,
+                step=self.step,
+                period=self.period,
+                integrator=self.scenario.control.integrator,
+                wheel_momentum=self.wheels,
+                start=first * self.period,
+                on_step=conductor.stepped,
+            )
+        except SimulationError as error:
+            trajectory, failure = error.trajectory, str(error)
+        phases = conductor.phases
+        end = float(trajectory.time[-1])
+        for k, phase in enumerate(phases):
+            if phase.time:
+                to = phases[k + 1].first * self.period if k + 1 < len(phases) and phases[k + 1].time else end
+                result = phase.result(len(self.segments), to)
+                if failure and k == len(phases) - 1:
+                    result = replace(result, outcome="failed", reason=failure)
+                self.results.append(result)
+        if not phases or not phases[-1].time:  # the first cycle of a phase came to nothing
+            self.results.append(_nothing(plans[max(0, len(phases) - 1)], len(self.segments), end, failure))
+        self.cycle = first + (len(trajectory) - 1) // self.ticks
+        self.segments.append(self._recorded(robot, trajectory, first))
+        self.certificates.append(trajectory.certificate())
+        self.wheels = trajectory.wheel_momentum[-1]
+        if failure or trajectory.interrupted:
+            return False
+        self.state = robot.state(trajectory.q[-1], trajectory.v[-1])
+        return len(phases) == len(plans) and phases[-1].outcome == "complete"
+
+    def _recorded(self, robot: SpaceRobot, trajectory: Trajectory, first: int) -> Segment:
+        target = self.target
+        if target is None:
+            return Segment(robot, trajectory, None, np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)))
+        q, v = target.states(first, self.cycle + 1)
+        times = np.arange(first, self.cycle + 1, dtype=np.float64) * self.period
+        return Segment(robot, trajectory, target.robot, times, q, v)
+
+    # -- between segments ------------------------------------------------------------------------------------
+
+    def _act(self, plan: PhasePlan) -> bool:
+        """Do what ends a phase; return whether the run can go on."""
+        if isinstance(plan.action, Release) and self.held is not None:
+            self.state, target = self.held.release(self.state.q, self.state.v)
+            self.held, self.target = None, self._free(target)
+        elif isinstance(plan.action, GraspPlan) and self.target is not None:
+            return self._grasp(plan.action, self.target)
+        return True
+
+    def _grasp(self, plan: GraspPlan, free: FreeMotion) -> bool:
+        chaser, target = self.state, free.state(self.cycle)
+        held = grasp(chaser, chaser.robot.point(plan.hand), target, target.robot.point(plan.fixture))
+        last = self.results[-1]
+        self.results[-1] = replace(last, grasp=held)
+        if held.position_error > plan.position or held.angle_error > plan.angle:
+            off = f"{held.position_error * 1e3:.4g} mm and {math.degrees(held.angle_error):.4g} deg"
+            reason = f"'{plan.hand}' is {off} from '{plan.fixture}': a grasp needs {plan.position * 1e3:g} mm and {math.degrees(plan.angle):g} deg"
+            self.results[-1] = replace(self.results[-1], outcome="failed", reason=reason)
+            return False
+        self.acts += conserved_in_grasp(chaser, target, held, self.cycle * self.period)
+        self.certificates += free.certificates
+        self.state, self.held, self.target = held.state, held, None
+        return True
+
+
+def _nothing(plan: PhasePlan, segment: int, time: float, failure: str) -> PhaseResult:
+    """Return the result of a phase without a cycle."""
+    outcome: Outcome = "failed" if failure else "interrupted"
+    return PhaseResult(plan.name, segment, time, time, outcome, failure, np.zeros(0), {}, {}, {}, {}, math.nan)
+
+
+class _Conductor:
+    """The controller of a segment: hands over from phase to phase."""
+
+    def __init__(self, running: _Running, robot: SpaceRobot, plans: list[PhasePlan]) -> None:
+        self._running, self._robot, self._plans = running, robot, plans
+        self._cycle, self._steps = running.cycle, 0
+        self._wheels = running.wheels
+        self.phases: list[_Phase] = []
+        self._over = False
+
+    def update(self, time: float, q: Floats, v: Floats) -> Command:
+        if not self.phases or self.phases[-1].outcome == "complete":
+            running = self._running
+            start = Start(self._robot, q, v, self._cycle, running.period, running.target)
+            phase = _Phase(self._plans[len(self.phases)], running.scenario, start, running.shared)
+            phase.controller.wheel_momentum = self._wheels
+            self.phases.append(phase)
+        phase = self.phases[-1]
+        command = phase.update(self._cycle, time, q, v)
+        self._wheels = phase.controller.wheel_momentum
+        self._cycle += 1
+        self._over = phase.outcome == "timed out" or (
+            phase.outcome == "complete" and len(self.phases) == len(self._plans)
+        )
+        return command
+
+    def stepped(self, time: float) -> bool:
+        """End the run with the last cycle's last step."""
+        self._steps += 1
+        self._running.progress(time)
+        return self._over and self._steps % self._running.ticks == 0
+
+
+def conserved_in_grasp(chaser: State, target: State, held: Grasp, time: float) -> list[Conserved]:
+    """Return how well a grasp kept the momentum of both, and accounts for the energy; seen moving with the chaser."""
+    frame = MovingFrame.of(chaser)
+    parts = [_momentum(*frame.enter(one.q, one.v), one.robot) for one in (chaser, target)]
+    whole = _momentum(*frame.enter(held.state.q, held.state.v), held.state.robot)
+    before = parts[0][0] + parts[1][0]
+    energy = parts[0][1] + parts[1][1]
+    mass = held.state.robot.total_mass
+    scale = math.sqrt(2.0 * mass * energy)
+    error = np.abs(whole[0] - before)
+    lost = abs(energy - whole[1] - held.energy_lost)
+    return [
+        Conserved("grasp momentum", _relative(float(error.max()), scale), _GRASP_LIMIT, scale, "kg m/s", time),
+        Conserved("grasp energy", _relative(lost, energy), _GRASP_LIMIT, energy, "J", time),
+    ]
+
+
+def _relative(error: float, scale: float) -> float:
+    return error / scale if error else 0.0
+
+
+def _momentum(q: Floats, v: Floats, robot: SpaceRobot) -> tuple[Floats, float]:
+    """Return linear momentum and angular momentum about the frame's origin (6,), and kinetic energy."""
+    data = robot.model.createData()
+    hg = pin.computeCentroidalMomentum(robot.model, data, q, v)
+    p = np.array(hg.linear)
+    return np.concatenate([p, hg.angular + np.cross(data.com[0], p)]), float(
+        pin.computeKineticEnergy(robot.model, data, q, v)
+    )
