@@ -145,9 +145,8 @@ def _show(console: Console, result: Run, name: str) -> None:
     colour = "bold green" if result.passed else "bold red"
     done = sum(phase.outcome == "complete" for phase in result.phases)
     kept = "passed" if result.certificate.passed else "FAILED"
-    console.print(
-        f"\n[{colour}]{verdict}[/]: {_plain(name)}: {done} of {len(scenario.phases)} phases complete, certificate {kept}"
-    )
+    phases = f"{done} of {len(scenario.phases)} phases complete"
+    console.print(f"\n[{colour}]{verdict}[/]: {_plain(name)}: {phases}, certificate {kept}")
 
 
 def _phases(result: Run) -> Any:

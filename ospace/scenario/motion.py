@@ -61,21 +61,21 @@ def still(pose: pin.SE3) -> Goal:
     return motion
 
 
-def point_motion(
-    point: OperationalPoint, data: pin.Data, q: Floats, v: Floats, a: Floats
-) -> tuple[pin.SE3, Floats, Floats]:
-    """Return pose, velocity (6,) and classical acceleration (6,) of a point, inertial axes."""
-    pin.forwardKinematics(point.robot.model, data, q, v, a)
-    T = data.oMi[point.joint] * point.placement
-    velocity = point.placement.actInv(data.v[point.joint])
-    acceleration = point.placement.actInv(data.a[point.joint])
-    classical = acceleration.linear + np.cross(velocity.angular, velocity.linear)
-    R = T.rotation
-    return (
-        T,
-        np.concatenate([R @ velocity.linear, R @ velocity.angular]),
-        np.concatenate([R @ classical, R @ acceleration.angular]),
-    )
+def point_motion(point: OperationalPoint, Q: Floats, V: Floats, A: Floats) -> Motion:
+    """Return the motion of a point at N states (N, nq), (N, nv) and accelerations (N, nv)."""
+    model, data = point.robot.model, point.robot.model.createData()
+    n, here = len(Q), point.placement
+    place, rotation, rates = np.empty((n, 3)), np.empty((n, 3, 3)), np.empty((4, n, 3))
+    for k in range(n):
+        pin.forwardKinematics(model, data, Q[k], V[k], A[k])
+        T = data.oMi[point.joint] * here
+        velocity, acceleration = here.actInv(data.v[point.joint]), here.actInv(data.a[point.joint])
+        place[k], rotation[k] = T.translation, T.rotation
+        rates[0, k], rates[1, k] = velocity.linear, velocity.angular
+        rates[2, k], rates[3, k] = acceleration.linear, acceleration.angular
+    rates[2] += np.cross(rates[1], rates[0])  # the classical one
+    v, omega, a, alpha = np.einsum("kij,rkj->rki", rotation, rates)
+    return Motion(place, rotation, np.hstack([v, omega]), np.hstack([a, alpha]))
 
 
 class FreeMotion:
@@ -92,7 +92,6 @@ class FreeMotion:
     def __init__(self, start: State, first: int, period: float, step: float, integrator: str) -> None:
         self.robot, self.first = start.robot, first
         self._period, self._step, self._integrator = period, step, integrator
-        self._data = self.robot.model.createData()
         self._q, self._v = [start.q.copy()], [start.v.copy()]
         self.certificates: list[Certificate] = []
 
@@ -109,18 +108,15 @@ class FreeMotion:
 
     def frame(self, point: OperationalPoint) -> Goal:
         """Return the motion of a point of the target as a goal."""
-        model, data, idle = self.robot.model, self._data, np.zeros(self.robot.nv)
+        model, data, idle = self.robot.model, self.robot.model.createData(), np.zeros(self.robot.nv)
 
         def motion(first: int, last: int) -> Motion:
-            n = last - first
-            place, rotation, rates = np.empty((n, 3)), np.empty((n, 3, 3)), np.empty((2, n, 6))
-            for k, (q, v) in enumerate(zip(*self.states(first, last), strict=True)):
-                beside = q.copy()
-                beside[:3] = 0.0
-                a = pin.aba(model, data, beside, v, idle)
-                T, rates[0, k], rates[1, k] = point_motion(point, data, beside, v, a)
-                place[k], rotation[k] = T.translation + q[:3], T.rotation
-            return Motion(place, rotation, *rates)
+            Q, V = self.states(first, last)
+            base = Q[:, :3].copy()
+            Q[:, :3] = 0.0
+            A = np.array([pin.aba(model, data, q, v, idle) for q, v in zip(Q, V, strict=True)])
+            beside = point_motion(point, Q, V, A)
+            return beside._replace(place=beside.place + base)
 
         return motion
 

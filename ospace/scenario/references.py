@@ -70,10 +70,11 @@ class Start:
         model, data = self.robot.model, self.robot.model.createData()
         task = plan.task(self.robot)
         centre = pin.centerOfMass(model, data, self.q, self.v).copy()
-        motions = [point_motion(one, data, self.q, self.v, np.zeros(self.robot.nv)) for one in task.points]
+        now = self.q[None], self.v[None], np.zeros((1, self.robot.nv))
+        motions = [point_motion(one, *now) for one in task.points]
         velocity = np.zeros(6)
         if task.kind == kernel.MOTION:
-            velocity = motions[0][1]
+            velocity = motions[0].velocity[0]
         elif task.kind == kernel.CENTRE_OF_MASS:
             velocity[:3] = data.vcom[0]
-        return task.initial([pose for pose, *_ in motions], centre), velocity
+        return task.initial([pin.SE3(one.rotation[0], one.place[0]) for one in motions], centre), velocity

@@ -246,7 +246,10 @@ class _Running:
         self.results[-1] = replace(last, grasp=held)
         if held.position_error > plan.position or held.angle_error > plan.angle:
             off = f"{held.position_error * 1e3:.4g} mm and {math.degrees(held.angle_error):.4g} deg"
-            reason = f"'{plan.hand}' is {off} from '{plan.fixture}': a grasp needs {plan.position * 1e3:g} mm and {math.degrees(plan.angle):g} deg"
+            reason = (
+                f"'{plan.hand}' is {off} from '{plan.fixture}': "
+                f"a grasp needs {plan.position * 1e3:g} mm and {math.degrees(plan.angle):g} deg"
+            )
             self.results[-1] = replace(self.results[-1], outcome="failed", reason=reason)
             return False
         self.acts += conserved_in_grasp(chaser, target, held, self.cycle * self.period)
