@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ospace import models as models
+    from ospace.control.controller import Controller as Controller
     from ospace.dynamics.batch import operational_space_batch as operational_space_batch
     from ospace.dynamics.evaluator import OperationalSpaceEvaluator as OperationalSpaceEvaluator
     from ospace.dynamics.free_floating import free_floating as free_floating
@@ -30,11 +31,14 @@ if TYPE_CHECKING:
     from ospace.dynamics.operational_space import operational_space as operational_space
     from ospace.exceptions import DependentRowsError as DependentRowsError
     from ospace.exceptions import OspaceError as OspaceError
+    from ospace.exceptions import ScenarioError as ScenarioError
+    from ospace.exceptions import SimulationError as SimulationError
     from ospace.exceptions import SingularInertiaError as SingularInertiaError
     from ospace.exceptions import UnsoundModelError as UnsoundModelError
     from ospace.exceptions import UrdfError as UrdfError
     from ospace.points import OperationalPoint as OperationalPoint
     from ospace.robot import SpaceRobot as SpaceRobot
+    from ospace.simulation.simulate import simulate as simulate
     from ospace.state import State as State
 
 __version__ = "0.1.0"
@@ -52,10 +56,14 @@ _HOME = {
     "OperationalSpaceEvaluator": "dynamics.evaluator",
     "operational_space_batch": "dynamics.batch",
     "free_floating": "dynamics.free_floating",
+    "Controller": "control.controller",
+    "simulate": "simulation.simulate",
     "OspaceError": "exceptions",
     "UrdfError": "exceptions",
     "UnsoundModelError": "exceptions",
     "SingularInertiaError": "exceptions",
+    "SimulationError": "exceptions",
+    "ScenarioError": "exceptions",
     "DependentRowsError": "exceptions",
 }
 __all__ = ["models"]

@@ -3,8 +3,21 @@
 from ospace.exceptions import ScenarioError
 from ospace.scenario import log
 from ospace.scenario.description import Scenario
+from ospace.scenario.motion import Approach, FreeMotion
 from ospace.scenario.reading import load
 from ospace.scenario.result import PhaseResult, Run, Segment, TaskErrors
 from ospace.scenario.running import run
 
-__all__ = ["PhaseResult", "Run", "Scenario", "ScenarioError", "Segment", "TaskErrors", "load", "log", "run"]
+__all__ = [
+    "Approach",
+    "FreeMotion",
+    "PhaseResult",
+    "Run",
+    "Scenario",
+    "ScenarioError",
+    "Segment",
+    "TaskErrors",
+    "load",
+    "log",
+    "run",
+]

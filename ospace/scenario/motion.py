@@ -81,6 +81,15 @@ def point_motion(point: OperationalPoint, Q: Floats, V: Floats, A: Floats) -> Mo
 class FreeMotion:
     """A target that moves by itself, cycle by cycle, as far as it was asked for.
 
+    Parameters
+    ----------
+    start : State
+    first : int
+        Control cycle of the start.
+    period, step : float
+        Of a control cycle and of the integrator, s.
+    integrator : "rk4" or "symplectic"
+
     Attributes
     ----------
     first : int
@@ -89,9 +98,16 @@ class FreeMotion:
         Of what was simulated.
     """
 
-    def __init__(self, start: State, first: int, period: float, step: float, integrator: str) -> None:
+    def __init__(
+        self,
+        start: State,
+        first: int = 0,
+        period: float = 1e-3,
+        step: float | None = None,
+        integrator: str = "rk4",
+    ) -> None:
         self.robot, self.first = start.robot, first
-        self._period, self._step, self._integrator = period, step, integrator
+        self._period, self._step, self._integrator = period, step or period, integrator
         self._q, self._v = [start.q.copy()], [start.v.copy()]
         self.certificates: list[Certificate] = []
 
@@ -149,16 +165,26 @@ class Approach:
     pose, velocity : pin.SE3, (6,)
         Of the point at the start, inertial axes.
     goal : Goal
+    duration : float
+        s; with 0 the goal is followed at once.
     first : int
-        Cycle of the run at the start.
-    period, duration : float
-        s; without a duration the goal is followed at once.
+        Control cycle at the start.
+    period : float
+        Of a control cycle, s.
     name : str
         Of the task, for errors.
     """
 
     def __init__(
-        self, pose: pin.SE3, velocity: Floats, goal: Goal, first: int, period: float, duration: float, name: str
+        self,
+        pose: pin.SE3,
+        velocity: Floats,
+        goal: Goal,
+        *,
+        duration: float,
+        first: int = 0,
+        period: float = 1e-3,
+        name: str = "approach",
     ) -> None:
         self._pose, self._velocity, self._goal, self._name = pose, velocity, goal, name
         self._first, self._period, self._duration = first, period, duration

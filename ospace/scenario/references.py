@@ -49,7 +49,9 @@ class Start:
         return self._approach(plan, pose, velocity, still(self._goal(plan, pose, velocity)), goal.duration)
 
     def _approach(self, plan: TaskPlan, pose: pin.SE3, velocity: Floats, goal: Goal, duration: float) -> Function:
-        return Function(Approach(pose, velocity, goal, self.cycle, self.period, duration, plan.name))
+        return Function(
+            Approach(pose, velocity, goal, duration=duration, first=self.cycle, period=self.period, name=plan.name)
+        )
 
     def _goal(self, plan: TaskPlan, pose: pin.SE3, velocity: Floats) -> pin.SE3:
         """Return where a goal that stays is."""
