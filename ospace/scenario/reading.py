@@ -305,11 +305,12 @@ class _Reading:
         if not tasks:
             table.wrong("task", "a phase needs at least one task, [[phase.task]], or one of all phases, [[task]]")
         for task in tasks:
-            if task.goal is not None and task.goal.duration > timeout:
-                self.problems.add(
-                    f"{task.key}.goal.duration",
-                    f"{task.goal.duration:g} s is longer than the time-out of phase '{name}', {timeout:g} s",
-                )
+            motion = task.goal.duration if task.goal is not None and task in own else 0.0
+            hold = task.completion.hold if task.completion else 0.0
+            if motion + hold > timeout:
+                part = "goal.duration" if motion > timeout else "completion.hold"
+                what = f"{motion + hold:g} s of motion and hold are longer than the time-out of phase '{name}'"
+                self.problems.add(f"{task.key}.{part}", f"{what}, {timeout:g} s")
         if not duration and not any(task.completion for task in tasks):
             table.wrong("", "nothing ends the phase: give a duration, or a task with a completion test")
         action: GraspPlan | Release | None = None

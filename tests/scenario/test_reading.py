@@ -1,0 +1,319 @@
+"""Reading: what a file says in SI units, and every kind of mistake by its key with what would be right."""
+
+import math
+
+import numpy as np
+import pytest
+
+import ospace
+from ospace import scenario
+from ospace.scenario import units
+from ospace.scenario.description import Follow, Hold, Shift, ToMomentum, ToPose
+
+GOOD = """
+name = "A try"
+
+[robot]
+model = "ets_vii"
+base = "floating"
+position = ["1 km", 0, 0]
+rpy = [0, 0, "90 deg"]
+velocity = ["10 mm/s", 0, 0]
+angular_velocity = [0, 0, "1 deg/s"]
+
+[robot.joints]
+joint_1 = "30 deg"
+joint_2 = 0.25
+
+[robot.joint_rates]
+joint_3 = "1 rpm"
+
+[target]
+model = "target"
+position = ["100 cm", 0, 0]
+spin = ["1 deg/s", 0, 0]
+
+[limits]
+share = 0.5
+acceleration = "5 deg/s^2"
+
+[control]
+period = "2 ms"
+step = 0.001
+
+[[task]]
+name = "rest"
+type = "damping"
+
+[[phase]]
+name = "one"
+timeout = "1 min"
+duration = "1 s"
+
+[[phase.task]]
+name = "hand"
+type = "pose"
+point = "end_effector"
+stiffness = 100.0
+axes = "linear"
+offset = { position = ["5 cm", 0, 0] }
+goal = { follow = "grapple", offset = { position = ["-10 cm", 0, 0] }, duration = "8 s" }
+completion = { position = "1 mm", angle = "0.1 deg", hold = "500 ms" }
+
+[[phase]]
+name = "two"
+timeout = 5
+grasp = { hand = "end_effector", fixture = "grapple" }
+
+[[phase.task]]
+name = "hand"
+type = "pose"
+point = "end_effector"
+goal = { shift = ["0.1 m", 0, 0], duration = "2 s" }
+completion = { position = "1 mm" }
+
+[[phase]]
+name = "three"
+duration = 1
+timeout = 2
+release = true
+"""
+
+
+@pytest.fixture
+def read(tmp_path):
+    def call(text):
+        file = tmp_path / "made.toml"
+        file.write_text(text)
+        return scenario.load(file)
+
+    return call
+
+
+def test_what_a_file_says(read):
+    made = read(GOOD)
+    robot = made.robot
+    np.testing.assert_allclose(made.start.q[:3], [1000.0, 0.0, 0.0])
+    np.testing.assert_allclose(made.start.base_twist, [0.01, 0, 0, 0, 0, math.radians(1)], atol=1e-16)
+    positions = robot.joint_positions(made.start.q)
+    assert positions["joint_1"] == pytest.approx(math.radians(30.0))
+    assert positions["joint_2"] == 0.25
+    assert made.start.v[6 + robot.joint_names.index("joint_3")] == pytest.approx(math.pi / 30.0)
+    np.testing.assert_allclose(made.target.base_twist[3:], [math.radians(1), 0, 0])
+    assert made.control == scenario.description.ControlPlan(0.002, 0.001)
+    limits = made.limits.of(robot, robot)
+    assert limits.torque[0] == 45.0
+    np.testing.assert_allclose(limits.acceleration, math.radians(5.0))
+    one, two, three = made.phases
+    assert (one.name, one.timeout, one.duration) == ("one", 60.0, 1.0)
+    assert [task.name for task in one.tasks] == ["hand", "rest"]
+    hand = one.tasks[0]
+    assert hand.options["stiffness"] == 100.0
+    assert hand.task(robot).rows(robot) == [0, 1, 2]
+    np.testing.assert_allclose(hand.offset.translation, [0.05, 0, 0])
+    assert isinstance(hand.goal, Follow)
+    assert (hand.goal.frame, hand.goal.duration) == ("grapple", 8.0)
+    np.testing.assert_allclose(hand.goal.offset.translation, [-0.1, 0, 0])
+    assert hand.completion == ospace.control.Completion(1e-3, math.radians(0.1), 0.5)
+    assert (two.action.hand, two.action.position) == ("end_effector", 0.01)
+    assert isinstance(two.tasks[0].goal, Shift)
+    assert isinstance(three.action, scenario.description.Release)
+
+
+MISTAKES = {
+    "unknown key": ("stiffness = 100.0", "stifness = 100.0", "phase[0].task[0].stifness", "did you mean 'stiffness'?"),
+    "unknown key at the top": ('name = "A try"', 'nmae = "A try"', "nmae", "did you mean 'name'?"),
+    "unknown key in a goal": ('duration = "8 s"', 'durration = "8 s"', "phase[0].task[0].goal.durration", "'duration'"),
+    "missing key": ('timeout = "1 min"', "", "phase[0].timeout", "missing"),
+    "missing key, and one alike": ("timeout = 5", "time_out = 5", "phase[1].timeout", "did you mean 'time_out'?"),
+    "missing table": ("[robot", "[robbot", "robot", "missing; did you mean 'robbot'?"),
+    "unknown frame": ('point = "end_effector"', 'point = "end_efector"', "phase[0].task[0].point", "'end_effector'"),
+    "unknown joint": ('joint_1 = "30', 'joint1 = "30', "robot.joints.joint1", "did you mean 'joint_1'"),
+    "unknown model": ('model = "ets_vii"', 'model = "ets_vi"', "robot.model", "did you mean 'ets_vii'?"),
+    "missing file": ('model = "ets_vii"', 'model = "no.urdf"', "robot.model", "no.urdf"),
+    "unknown task": ('type = "damping"', 'type = "dampning"', "task[0].type", "did you mean 'damping'?"),
+    "unknown base": ('base = "floating"', 'base = "floatin"', "robot.base", "did you mean 'floating'"),
+    "unknown solver": ("step = 0.001", 'solver = "dakp"', "control.solver", "did you mean 'daqp'?"),
+    "unknown integrator": ("step = 0.001", 'integrator = "rk5"', "control.integrator", "did you mean 'rk4'?"),
+    "unknown fixture": (
+        'fixture = "grapple"',
+        'fixture = "graple"',
+        "phase[1].grasp.fixture",
+        "did you mean 'grapple'",
+    ),
+    "unknown hand": ('hand = "end_effector"', 'hand = "hand"', "phase[1].grasp.hand", "known: base"),
+    "unknown frame of the target": (
+        'follow = "grapple"',
+        'follow = "grap"',
+        "phase[0].task[0].goal.follow",
+        "'grapple'",
+    ),
+    "unknown axes": ('axes = "linear"', 'axes = "lineal"', "phase[0].task[0].axes", "did you mean 'linear'?"),
+    "wrong unit": (
+        'timeout = "1 min"',
+        'timeout = "1 m"',
+        "phase[0].timeout",
+        "unit 'm', a unit of length; give a number in s, or a text with a unit of s, ms, min",
+    ),
+    "no unit": ('timeout = "1 min"', 'timeout = "1"', "phase[0].timeout", "a text needs a unit"),
+    "wrong unit in a list": ('["10 mm/s", 0, 0]', '["10 mm", 0, 0]', "robot.velocity[0]", "m/s, cm/s, mm/s, km/s"),
+    "wrong type": ('timeout = "1 min"', "timeout = true", "phase[0].timeout", "True is no time"),
+    "a text for a number": ("share = 0.5", 'share = "half"', "limits.share", "give a number"),
+    "a number for a text": ('name = "two"', "name = 2", "phase[1].name", "2 is no text"),
+    "a list that is too short": ('["1 km", 0, 0]', '["1 km", 0]', "robot.position", "give a list of 3 of length"),
+    "not finite": ('timeout = "1 min"', "timeout = inf", "phase[0].timeout", "must be finite"),
+    "not a number": ('timeout = "1 min"', "timeout = nan", "phase[0].timeout", "is not a number"),
+    "out of range": ("share = 0.5", "share = 1.5", "limits.share", "must be at most 1"),
+    "negative": ("stiffness = 100.0", "stiffness = -1", "phase[0].task[0].stiffness", "must be at least 0 1/s^2"),
+    "zero time": ('timeout = "1 min"', 'timeout = "0 s"', "phase[0].timeout", "must be above 0 s"),
+    "longer than its time-out": (
+        'duration = "8 s"',
+        'duration = "2 min"',
+        "phase[0].task[0].goal.duration",
+        "120.5 s of motion",
+    ),
+    "not whole": ("step = 0.001", "step = 0.0015", "control.period", "no whole number of steps"),
+    "two phases of one name": ('name = "two"', 'name = "one"', "phase[1].name", "two phases are called 'one'"),
+    "nothing ends a phase": ("duration = 1\n", "", "phase[2]", "nothing ends the phase"),
+    "two goals": (
+        '{ shift = ["0.1 m", 0, 0],',
+        "{ shift = [0, 0, 0], hold = true,",
+        "phase[1].task[0].goal",
+        "give one of",
+    ),
+    "nothing to release": (
+        'grasp = { hand = "end_effector", fixture = "grapple" }',
+        "",
+        "phase[2].release",
+        "nothing is held",
+    ),
+    "no target": (
+        '[target]\nmodel = "target"\nposition = ["100 cm", 0, 0]\nspin = ["1 deg/s", 0, 0]',
+        "",
+        "phase[0].task[0].goal.follow",
+        "no target",
+    ),
+    "held already": (
+        "release = true",
+        'grasp = { hand = "end_effector", fixture = "grapple" }',
+        "phase[2].grasp",
+        "held already",
+    ),
+    "no table": ('hold = "500 ms" }', 'hold = "500 ms" }\nofset = 3', "phase[0].task[0].ofset", "'offset'"),
+    "model and body": ('model = "target"', 'model = "target"\nbody = {mass = 1}', "target", "either model"),
+    "no joints to move": (
+        'type = "damping"',
+        'type = "posture"\nposture = {joint_9 = 1}',
+        "task[0].posture.joint_9",
+        "did you mean",
+    ),
+    "broken TOML": ("share = 0.5", "share = ", "", "is no TOML: Invalid value (at line"),
+}
+
+
+@pytest.mark.parametrize(("before", "after", "key", "words"), MISTAKES.values(), ids=MISTAKES)
+def test_a_mistake_is_named(read, before, after, key, words):
+    assert before in GOOD
+    with pytest.raises(ospace.ScenarioError) as raised:
+        read(GOOD.replace(before, after, 3 if before == "[robot" else 1))
+    error = raised.value
+    keys = dict(error.problems)
+    assert key in keys, error
+    assert words in keys[key], error
+    assert "made.toml" in str(error)
+    assert key in str(error)
+
+
+def test_all_mistakes_are_told_at_once(read):
+    text = (
+        GOOD.replace('timeout = "1 min"', 'timeout = "1 kg"').replace("stiffness", "stifness").replace("share", "shar")
+    )
+    with pytest.raises(ospace.ScenarioError) as raised:
+        read(text)
+    assert [key for key, _ in raised.value.problems] == ["limits.shar", "phase[0].timeout", "phase[0].task[0].stifness"]
+    assert str(raised.value).count("\n") == 3
+
+
+@pytest.mark.parametrize(
+    "content", [b"\xff\xfe", b"a = " + b"[" * 5000, b"a = 1\n" * 200_000], ids=["bytes", "deep", "long"]
+)
+def test_files_that_are_no_scenario(tmp_path, content):
+    file = tmp_path / "made.toml"
+    file.write_bytes(content)
+    with pytest.raises(ospace.ScenarioError, match=r"made\.toml"):
+        scenario.load(file)
+
+
+@pytest.mark.parametrize("name", ["", "nothing.toml"])
+def test_files_that_are_not_there(tmp_path, name):
+    with pytest.raises(ospace.ScenarioError, match="directory"):
+        scenario.load(tmp_path / name)
+
+
+def test_a_body_as_the_target(read):
+    body = """[target.body]
+name = "can"
+mass = "1.2 t"
+inertia = [300, 400, 500, "10 kg m^2", 20, 30]
+mass_centre = ["5 cm", 0, 0]
+frames = { grapple = { position = ["-1 m", 0, 0], quaternion = [0, 0, 1, 0] } }
+"""
+    made = read(GOOD.replace('model = "target"\n', "").replace("[limits]", body + "\n[limits]"))
+    body_inertia = made.target.robot.model.inertias[1]
+    assert body_inertia.mass == 1200.0
+    np.testing.assert_allclose(body_inertia.inertia, [[300, 10, 20], [10, 400, 30], [20, 30, 500]])
+    fixture = made.target.robot.point("grapple")
+    np.testing.assert_allclose(fixture.placement.translation, [-1, 0, 0])
+    np.testing.assert_allclose(fixture.placement.rotation, np.diag([-1, -1, 1]), atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("given", "goal", "check"),
+    [
+        ('"hold"', Hold, lambda goal: goal.duration == 0.0),
+        ('{ hold = true, duration = "2 s" }', Hold, lambda goal: goal.duration == 2.0),
+        ('{ position = ["1 m", 0, 0] }', ToPose, lambda goal: goal.position[0] == 1.0 and goal.rotation is None),
+        ('{ rpy = [0, 0, "180 deg"] }', ToPose, lambda goal: goal.position is None and goal.rotation[0, 0] == -1.0),
+        ('{ turn = ["1 deg", 0, 0] }', Shift, lambda goal: goal.turn[0] == math.radians(1.0)),
+    ],
+)
+def test_goals(read, given, goal, check):
+    made = read(GOOD.replace('{ shift = ["0.1 m", 0, 0], duration = "2 s" }', given))
+    found = made.phases[1].tasks[0].goal
+    assert isinstance(found, goal)
+    assert check(found)
+
+
+def test_goals_of_momentum(read):
+    text = GOOD.replace('type = "damping"', 'type = "momentum"\ngoal = { angular = ["1 N m s", 0, 0] }')
+    goal = read(text).phases[0].tasks[1].goal
+    assert isinstance(goal, ToMomentum)
+    np.testing.assert_allclose(goal.momentum, [0, 0, 0, 1, 0, 0])
+
+
+def test_a_robot_beside_the_scenario(tmp_path):
+    (tmp_path / "robots").mkdir()
+    (tmp_path / "robots" / "mine.urdf").write_text(ospace.models.path("ets_vii").read_text())
+    file = tmp_path / "made.toml"
+    file.write_text(GOOD.replace('model = "ets_vii"', 'model = "robots/mine.urdf"'))
+    assert scenario.load(file).robot.source == tmp_path / "robots" / "mine.urdf"
+
+
+@pytest.mark.parametrize("dimension", units.UNITS)
+def test_units(dimension):
+    for unit, size in units.UNITS[dimension].items():
+        assert units.parse(f"-2.5e1 {unit}", dimension) == pytest.approx(-25.0 * size)
+        assert units.parse(f" 3  {unit} ", dimension) == pytest.approx(3.0 * size)
+        with pytest.raises(ValueError, match="unit 'parsec'"):
+            units.parse("1 parsec", dimension)
+    assert units.parse(2, dimension) == 2.0
+
+
+@pytest.mark.parametrize("name", ospace.models.scenarios())
+def test_scenarios_that_come_with_ospace(name):
+    assert scenario.load(ospace.models.scenario(name)).phases
+
+
+def test_an_unknown_scenario():
+    with pytest.raises(ospace.OspaceError, match=r"did you mean 'grasp'"):
+        ospace.models.scenario("grsp")
