@@ -1,0 +1,237 @@
+"""`ospace run` as its users meet it: table, certificate, exit status, files, Ctrl-C."""
+
+import contextlib
+import csv
+import os
+import pty
+import re
+import select
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import ospace
+from ospace.cli.main import main
+from ospace.scenario import log
+
+ROOT = Path(ospace.__file__).parents[1]
+SECONDS = 120
+SHORT = """
+name = "A short one"
+[robot]
+model = "planar_2r"
+joints = { joint_1 = "20 deg", joint_2 = "60 deg" }
+[control]
+step = "2 ms"
+period = "10 ms"
+[[task]]
+name = "rest"
+type = "damping"
+[[phase]]
+name = "wait, a little"
+duration = "0.05 s"
+timeout = "1 s"
+[[phase]]
+name = "move"
+timeout = "0.4 s"
+[[phase.task]]
+name = "tip"
+type = "position"
+point = "end_effector"
+axes = [true, true, false, false, false, false]
+goal = { shift = ["-1 mm", "1 mm", 0], duration = "0.2 s" }
+completion = { position = "1 mm", hold = "0.1 s" }
+"""
+LONG = SHORT.replace('"0.05 s"', '"900 s"').replace('timeout = "1 s"', 'timeout = "1000 s"')
+
+
+@pytest.fixture(autouse=True, scope="module")
+def compiled():
+    """What the command says while it compiles kernels is said once for a machine; here it has been said."""
+    main(["run", "--check", "grasp"])
+
+
+@pytest.fixture
+def run(capsys):
+    def call(*arguments):
+        try:
+            status = main(["run", *map(str, arguments)])
+        except SystemExit as leaving:
+            status = leaving.code
+        return (status, *capsys.readouterr())
+
+    return call
+
+
+@pytest.fixture
+def made(tmp_path):
+    def call(text=SHORT):
+        file = tmp_path / "made.toml"
+        file.write_text(text)
+        return file
+
+    return call
+
+
+@pytest.mark.parametrize("options", [[], ["--headless"]])
+def test_a_run_that_passes(run, made, options):
+    file = made()
+    status, out, err = run(file, *options)
+    assert (status, err) == (0, "")
+    assert re.search(r"^wait, a little +0\.000 +0\.050 +complete +- +- +- +5 nominal$", out, re.MULTILINE)
+    assert re.search(r"^move +0\.050 +0\.350 +complete +tip +\S+ mm +\S+ mm +30 nominal$", out, re.MULTILINE)
+    assert "limits of joints exceeded: none" in out
+    assert re.search(r"^linear momentum .* pass$", out, re.MULTILINE)
+    assert out.splitlines()[-1] == f"passed: {file}: 2 of 2 phases complete, certificate passed"
+
+
+def test_a_phase_that_times_out(run, made):
+    text = SHORT.replace('position = "1 mm"', 'position = "1e-30 m"')
+    text += '\n[[phase]]\nname = "later"\nduration = 1\ntimeout = 2\n'
+    status, out, _ = run(made(text))
+    assert status == 1
+    assert "move: not complete after 0.4 s: tip" in out
+    assert "not begun: later" in out
+    assert re.match(r"failed: .*: 1 of 3 phases complete, certificate passed", out.splitlines()[-1])
+
+
+def test_a_certificate_that_fails(run, made):
+    """A step that is much too long for the motion."""
+    text = (
+        SHORT.replace('step = "2 ms"', 'step = "10 ms"').replace("-1 mm", "-30 cm").replace('"1 mm", 0]', '"30 cm", 0]')
+    )
+    status, out, _ = run(made(text))
+    assert status == 1
+    assert "FAIL" in out
+    assert out.splitlines()[-1].endswith("certificate FAILED")
+
+
+def test_limits_that_bind_are_named(run, made):
+    text = SHORT.replace("-1 mm", "-10 cm").replace("[control]", '[limits]\nacceleration = "20 deg/s^2"\n[control]')
+    _, out, _ = run(made(text))
+    assert re.search(r"^move: active limits: .*joint_\d: acceleration, (upper|lower) \(\d+ cycles\)", out, re.MULTILINE)
+
+
+def test_check_runs_nothing(run, made):
+    file = made(LONG)
+    status, out, err = run(file, "--check")
+    assert (status, err) == (0, "")
+    assert out == f"A short one\nphases: wait, a little, move; at most 1000.4 s\nvalid: {file}\n"
+
+
+@pytest.mark.parametrize("name", ospace.models.scenarios())
+def test_check_by_name(run, name):
+    assert run(name, "--check")[0] == 0
+
+
+@pytest.mark.parametrize("options", [[], ["--check"]])
+def test_a_mistake(run, made, options):
+    file = made(SHORT.replace("timeout", "timout"))
+    status, out, err = run(file, *options)
+    assert (status, out) == (2, "")
+    assert "phase[0].timeout: missing; did you mean 'timout'?" in err
+    assert f"{file}:" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["nothing.toml"], "No such file"),
+        (["grsp"], "did you mean 'grasp'?"),
+        (["grasp", "--log", "out.csv"], "does not end in .npz"),
+        (["grasp", "--log", "/no/such/folder/out.npz"], "no such folder"),
+        (["grasp", "--csv", "/dev/null/folder"], "Not a directory"),
+        ([], "required: SCENARIO"),
+    ],
+)
+def test_wrong_usage(run, arguments, words):
+    status, out, err = run(*arguments)
+    assert (status, out) == (2, "")
+    assert words in err
+    assert "Traceback" not in err
+
+
+def test_the_files_hold_what_the_table_says(run, made, tmp_path):
+    npz, folder = tmp_path / "out.npz", tmp_path / "csv"
+    status, out, _ = run(made(), "--log", npz, "--csv", folder)
+    assert status == 0
+    shown = re.search(r"^move .* tip +(\S+) mm +(\S+) mm", out, re.MULTILINE)
+    stored = log.load(npz)
+    tip = stored.errors[1]["tasks"]["tip"][:, 0] * 1e3
+    assert [f"{tip.max():.2g}", f"{tip[-1]:.2g}"] == list(shown.groups())
+    assert list(stored.phases["outcome"]) == ["complete", "complete"]
+    assert stored.trajectories[0].certificate().passed
+    with (folder / "phases.csv").open() as file:
+        rows = list(csv.reader(file))
+    assert rows[1][:3] == ["wait, a little", "complete", "0"]
+    errors = np.loadtxt(folder / "errors_1_move.csv", delimiter=",", skiprows=1)
+    np.testing.assert_array_equal(errors[:, 1] * 1e3, tip)
+    q = np.loadtxt(folder / "segment_0" / "q.csv", delimiter=",", skiprows=1)
+    np.testing.assert_array_equal(q[:, 1:], stored.trajectories[0].q)
+    assert list(tmp_path.glob(".*")) == []
+
+
+@pytest.fixture
+def terminal():
+    ours, theirs = pty.openpty()
+    yield ours, theirs
+    for descriptor in (ours, theirs):
+        with contextlib.suppress(OSError):
+            os.close(descriptor)
+
+
+def read_until(terminal, text):
+    seen, end = b"", time.monotonic() + SECONDS
+    while text not in seen and time.monotonic() < end:
+        if select.select([terminal], [], [], 0.1)[0]:
+            try:
+                more = os.read(terminal, 4096)
+            except OSError:
+                break
+            if not more:
+                break
+            seen += more
+    return seen
+
+
+def test_ctrl_c_keeps_what_was_run(made, terminal, tmp_path):
+    ours, theirs = terminal
+    npz = tmp_path / "out.npz"
+    process = subprocess.Popen(
+        [sys.executable, "-m", "ospace.cli", "run", made(LONG), "--log", npz],
+        cwd=ROOT,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=theirs,
+    )
+    os.close(theirs)
+    seen = read_until(ours, b"simulating")
+    assert b"simulating" in seen
+    time.sleep(1.0)
+    process.send_signal(signal.SIGINT)
+    seen += read_until(ours, b"no such text")
+    out, _ = process.communicate(timeout=SECONDS)
+    assert process.returncode == 130
+    assert b"Traceback" not in seen + out
+    assert seen.endswith(b"ospace: interrupted\r\n")
+    stored = log.load(npz)
+    assert list(stored.phases["outcome"]) == ["interrupted"]
+    assert len(stored.trajectories[0]) > 1
+    lines = out.decode().splitlines()
+    assert re.match(r"interrupted: .*: 0 of 2 phases complete", lines[-1])
+    assert f"{stored.phases['end'][0]:.3f}  interrupted" in out.decode()
+
+
+def test_a_process_of_its_own(made):
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-m", "ospace.cli", "run", made()],
+        cwd=ROOT, capture_output=True, text=True, timeout=SECONDS, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.splitlines()[-1].startswith("passed: ")
+    assert "\x1b[" not in done.stdout

@@ -1,0 +1,293 @@
+"""Runs: what the scenarios that come with ospace promise, and what becomes of those that fail."""
+
+import math
+
+import numpy as np
+import pytest
+
+import ospace
+from ospace import scenario
+from ospace.scenario import log, motion, running
+from ospace.simulation import grasp
+
+SHORT = """
+[robot]
+model = "planar_2r"
+joints = { joint_1 = "20 deg", joint_2 = "60 deg" }
+[control]
+step = "5 ms"
+period = "10 ms"
+[[task]]
+name = "rest"
+type = "damping"
+[[phase]]
+name = "one"
+duration = "0.05 s"
+timeout = "1 s"
+[[phase]]
+name = "two"
+timeout = "0.4 s"
+[[phase.task]]
+name = "tip"
+type = "position"
+point = "end_effector"
+axes = [true, true, false, false, false, false]
+goal = { shift = ["-1 cm", "1 cm", 0], duration = "0.2 s" }
+completion = { position = "1 mm", hold = "0.1 s" }
+"""
+
+
+@pytest.fixture
+def made(tmp_path):
+    def call(text):
+        file = tmp_path / "made.toml"
+        file.write_text(text)
+        return scenario.load(file)
+
+    return call
+
+
+@pytest.fixture(scope="module")
+def grasped():
+    return scenario.run(scenario.load(ospace.models.scenario("grasp")))
+
+
+def worst(run, task, column):
+    return max(phase.errors[task].worst[column] for phase in run.phases if task in phase.errors)
+
+
+def certified(run):
+    assert run.passed, [phase.reason for phase in run.phases]
+    assert run.exceeded == {}
+    assert all(set(phase.statuses) == {"nominal"} for phase in run.phases)
+    assert all(phase.near_singularity == {} for phase in run.phases)
+
+
+# -- the scenarios that come with ospace -------------------------------------------------------------------------
+
+
+def test_the_grasp_of_the_paper(grasped):
+    certified(grasped)
+    (held,) = (phase.grasp for phase in grasped.phases if phase.grasp)
+    assert held.position_error < 1e-5  # asked for: 1 mm, 0.1 deg
+    assert held.angle_error < math.radians(1e-3)
+    np.testing.assert_allclose(held.velocity_error, 0.0, atol=1e-5)
+    assert worst(grasped, "head", 1) < math.radians(0.01)
+    assert worst(grasped, "base", 1) < math.radians(0.01)
+    for segment in grasped.segments:
+        assert not segment.trajectory.base_wrench.any()
+        assert not segment.trajectory.wheel_torque.any()
+    assert {one.name for one in grasped.certificate.quantities} >= {"linear momentum", "grasp momentum", "grasp energy"}
+
+
+def test_orientations_by_the_poses_themselves(grasped):
+    """Not by what the controller calls its error."""
+    for frame in ("head", "base"):
+        first = None
+        for segment in grasped.segments:
+            point = segment.robot.point(frame)
+            for k in range(0, len(segment.trajectory), 100):
+                R = segment.robot.state(segment.trajectory.q[k]).placement(point).rotation
+                first = R if first is None else first
+                assert math.acos(min(1.0, (np.trace(R @ first.T) - 1.0) / 2.0)) < math.radians(0.01)
+
+
+def test_the_hand_meets_the_fixture(grasped):
+    """By the last states of both before the grasp."""
+    segment = grasped.segments[0]
+    hand = segment.robot.state(segment.trajectory.q[-1]).placement(segment.robot.point("right_hand"))
+    fixture = segment.target.state(segment.target_q[-1]).placement(segment.target.point("grapple"))
+    assert segment.target_time[-1] == pytest.approx(segment.trajectory.time[-1])
+    np.testing.assert_allclose(hand.translation, fixture.translation, rtol=0, atol=1e-5)
+    np.testing.assert_allclose(hand.rotation, fixture.rotation, rtol=0, atol=1e-5)
+
+
+def test_free_flying():
+    run = scenario.run(scenario.load(ospace.models.scenario("grasp_flying")))
+    certified(run)
+    assert worst(run, "base", 0) < 1e-5
+    assert worst(run, "base", 1) < math.radians(1e-3)
+    after = run.segments[1].trajectory
+    assert np.abs(after.v[-1]).max() < 1e-5  # chaser and target are at rest
+    assert np.abs(run.segments[0].trajectory.base_wrench).max() > 0.1
+
+
+def test_capture_by_ets_vii():
+    run = scenario.run(scenario.load(ospace.models.scenario("ets_vii_capture")))
+    certified(run)
+    (held,) = (phase.grasp for phase in run.phases if phase.grasp)
+    assert held.position_error < 1e-4
+    assert np.abs(run.segments[1].trajectory.v[-1, 6:]).max() < 1e-4  # the arm stands, both turn as one
+
+
+def test_detumbling():
+    run = scenario.run(scenario.load(ospace.models.scenario("detumble")))
+    certified(run)
+    share, dump = run.phases[1:]
+    after = run.segments[1].trajectory
+    begun = np.linalg.norm(after.momentum[0, 3:])
+    assert begun > 1.0
+    before_dump = np.searchsorted(after.time, dump.start)
+    assert np.linalg.norm(after.momentum[before_dump, 3:]) == pytest.approx(begun, rel=1e-3)
+    assert np.linalg.norm(after.momentum[-1, 3:]) < 0.01
+    assert np.linalg.norm(after.wheel_momentum[-1]) == pytest.approx(begun, rel=0.02)
+    assert np.abs(after.v[before_dump, 6:]).max() < 1e-2  # joints stand when the momentum is shared
+    assert dump.active_limits
+    assert share.outcome == "complete"
+
+
+# -- what would be wrong is seen ---------------------------------------------------------------------------------
+
+
+def test_a_wrong_impulse_is_seen(monkeypatch):
+    def wrong(*given):
+        held = grasp(*given)
+        v = held.state.v.copy()
+        v[6] += 1e-3
+        return running.replace(held, state=held.state.robot.state(held.state.q, v))
+
+    monkeypatch.setattr(running, "grasp", wrong)
+    made = scenario.load(ospace.models.scenario("detumble"))
+    run = scenario.run(running.replace(made, phases=made.phases[:2]))
+    assert not run.certificate["grasp momentum"].passed or not run.certificate["grasp energy"].passed
+    assert not run.passed
+
+
+def test_a_reference_that_does_not_follow_the_target_is_seen(monkeypatch):
+    """As one that takes the target's place where it is at the start."""
+    honest = motion.FreeMotion.frame
+
+    def standing(self, point):
+        first = honest(self, point)(self.first, self.first + 1)
+        return motion.still(motion.pin.SE3(first.rotation[0], first.place[0]))
+
+    monkeypatch.setattr(motion.FreeMotion, "frame", standing)
+    made = scenario.load(ospace.models.scenario("detumble"))
+    run = scenario.run(made)
+    assert not run.passed
+    assert run.phases[0].outcome == "failed"
+    assert "a grasp needs 1 mm and 0.1 deg" in run.phases[0].reason
+
+
+# -- phases ------------------------------------------------------------------------------------------------------
+
+
+def test_phases_take_their_time(made):
+    run = scenario.run(made(SHORT))
+    assert run.passed
+    one, two = run.phases
+    assert (one.start, one.end) == (0.0, pytest.approx(0.05))
+    assert (two.start, two.end) == (one.end, pytest.approx(0.35))
+    assert len(one.time) == 5
+    assert len(two.time) == 30
+    assert two.errors["tip"].last[0] < 1e-3
+    assert np.isnan(two.errors["tip"].last[1])
+    assert len(run.segments) == 1
+    assert len(run.segments[0].trajectory) == 71
+
+
+def test_a_phase_that_does_not_complete(made):
+    run = scenario.run(
+        made(
+            SHORT.replace('position = "1 mm"', 'position = "1e-30 m"')
+            + '\n[[phase]]\nname = "three"\nduration = 1\ntimeout = 1'
+        )
+    )
+    assert not run.passed
+    assert run.certificate.passed
+    assert [phase.outcome for phase in run.phases] == ["complete", "timed out"]
+    assert run.phases[1].reason == "not complete after 0.4 s: tip"
+    assert run.duration == pytest.approx(0.45)
+
+
+def test_a_grasp_out_of_reach(made):
+    text = SHORT.replace("[control]", '[target]\nmodel = "target"\nposition = [9, 0, 0]\n[control]')
+    run = scenario.run(
+        made(text.replace("[[phase.task]]", 'grasp = {hand = "end_effector", fixture = "grapple"}\n[[phase.task]]'))
+    )
+    assert run.phases[-1].outcome == "failed"
+    assert "a grasp needs 10 mm and 1 deg" in run.phases[-1].reason
+    assert not run.passed
+
+
+def test_a_release_gives_both_back(made):
+    """The hand lets go of what it took, and either goes on as it was."""
+    text = SHORT.replace("[control]", '[target]\nmodel = "target"\nspin = [0, 0, "1 deg/s"]\n[control]')
+    text = text.replace(
+        'timeout = "1 s"',
+        'timeout = "1 s"\ngrasp = {hand = "end_effector", fixture = "grapple", position = inf, angle = inf}',
+    )
+    text = text.replace('step = "5 ms"', 'step = "1 ms"')
+    text += '\n[[phase]]\nname = "three"\nduration = 0.1\ntimeout = 1\nrelease = true'
+    text += '\n[[phase]]\nname = "four"\nduration = 0.1\ntimeout = 1'
+    run = scenario.run(made(text))
+    assert run.passed, run.certificate
+    first, held, last = run.segments
+    assert (first.robot, held.robot is first.robot, last.robot) == (run.scenario.robot, False, run.scenario.robot)
+    assert held.target is None
+    assert last.target_time[0] == pytest.approx(run.phases[2].end)
+    point = first.robot.point("end_effector"), first.target.point("grapple")
+
+    def apart(segment, k):
+        poses = (
+            segment.robot.state(segment.trajectory.q[k]).placement(point[0]),
+            segment.target.state(segment.target_q[k]).placement(point[1]),
+        )
+        return poses[0].actInv(poses[1])
+
+    assert apart(first, -1).isApprox(apart(last, 0), 1e-9)
+
+
+def test_a_simulation_that_fails_keeps_what_was_run(made, monkeypatch):
+    honest = running.Controller.update
+
+    def update(self, time, q, v):
+        if time > 0.2:
+            raise ospace.OspaceError("something is wrong")
+        return honest(self, time, q, v)
+
+    monkeypatch.setattr(running.Controller, "update", update)
+    run = scenario.run(made(SHORT))
+    assert [phase.outcome for phase in run.phases] == ["complete", "failed"]
+    assert run.phases[1].reason == "something is wrong"
+    assert run.duration == pytest.approx(0.205)
+
+
+@pytest.mark.parametrize("when", [0.0, 0.03, 0.2])
+def test_an_interrupt_keeps_what_was_run(made, when):
+    def interrupt(time):
+        if time >= when:
+            raise KeyboardInterrupt
+
+    run = scenario.run(made(SHORT), interrupt)
+    assert run.interrupted
+    assert not run.passed
+    assert run.phases[-1].outcome == "interrupted"
+    assert run.duration == pytest.approx(when, abs=0.011)
+    assert run.phases[-1].end == run.segments[-1].trajectory.time[-1]
+
+
+def test_a_log_holds_the_run(made, tmp_path, grasped):
+    file = log.save(grasped, tmp_path / "out.npz")
+    read = log.load(file)
+    assert read.scenario == ospace.models.scenario("grasp").read_text()
+    assert list(read.phases["name"]) == [phase.name for phase in grasped.phases]
+    assert list(read.phases["outcome"]) == ["complete"] * 4
+    for stored, segment in zip(read.trajectories, grasped.segments, strict=True):
+        np.testing.assert_array_equal(stored.q, segment.trajectory.q)
+        np.testing.assert_array_equal(stored.torque, segment.trajectory.torque)
+        assert stored.certificate().passed
+    np.testing.assert_array_equal(read.targets[0][1], grasped.segments[0].target_q)
+    assert read.targets[1] is None
+    for stored, phase in zip(read.errors, grasped.phases, strict=True):
+        np.testing.assert_array_equal(stored["time"], phase.time)
+        for task, errors in phase.errors.items():
+            np.testing.assert_array_equal(stored["tasks"][task], errors.norms)
+
+
+def test_what_is_no_log(tmp_path):
+    (tmp_path / "a.npz").write_bytes(b"nothing")
+    np.savez(tmp_path / "b.npz", scenario="")
+    for name in ("a.npz", "b.npz", "c.npz"):
+        with pytest.raises(ospace.OspaceError, match=name):
+            log.load(tmp_path / name)
