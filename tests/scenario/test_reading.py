@@ -1,6 +1,8 @@
 """Reading: what a file says in SI units, and every kind of mistake by its key with what would be right."""
 
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -317,3 +319,23 @@ def test_scenarios_that_come_with_ospace(name):
 def test_an_unknown_scenario():
     with pytest.raises(ospace.OspaceError, match=r"did you mean 'grasp'"):
         ospace.models.scenario("grsp")
+
+
+def test_the_first_scenario_of_the_docs(read):
+    page = (Path(ospace.__file__).parents[1] / "docs" / "scenario.md").read_text()
+    blocks = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    assert scenario.run(read(blocks[0])).passed
+    grasping = blocks[0].split("[[phase]]")[0].replace("planar_2r", "chaser_24dof")
+    read(re.sub(r"\[robot.joints\].*", "", grasping, flags=re.DOTALL) + blocks[1])
+
+
+def test_the_docs_name_every_key():
+    """Those that the reader asks for, by their names in the source."""
+    page = (Path(ospace.__file__).parents[1] / "docs" / "scenario.md").read_text()
+    source = Path(scenario.reading.__file__).read_text()
+    keys = re.findall(r'\.(?:text|quantity|vector|whole|flag|tables?|joints|amount)\(\s*"(\w+)"', source)
+    assert len(keys) > 40
+    for key in set(keys):
+        assert re.search(rf"\b{key}\b", page), key
+    for kind in scenario.description.TASKS:
+        assert f'`"{kind}"`' in page

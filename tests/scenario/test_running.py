@@ -130,7 +130,8 @@ def test_detumbling():
     before_dump = np.searchsorted(after.time, dump.start)
     assert np.linalg.norm(after.momentum[before_dump, 3:]) == pytest.approx(begun, rel=1e-3)
     assert np.linalg.norm(after.momentum[-1, 3:]) < 0.01
-    assert np.linalg.norm(after.wheel_momentum[-1]) == pytest.approx(begun, rel=0.02)
+    taken = after.wheel_momentum[-1] - after.wheel_momentum[0]
+    assert np.linalg.norm(taken) == pytest.approx(begun, rel=0.01)
     assert np.abs(after.v[before_dump, 6:]).max() < 1e-2  # joints stand when the momentum is shared
     assert dump.active_limits
     assert share.outcome == "complete"
