@@ -9,6 +9,7 @@ L is the angular momentum about the origin of the frame in which q stands.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -45,6 +46,7 @@ class Plant:
         self.tau = np.zeros(robot.nv)
         self.torque = self.tau[6:]
         self._base = np.zeros((2, 6))
+        self._flat = self._base.ravel()
         self.base_wrench, self.wheel_torque = self._base[0], self._base[1, 3:]
         self.impulse_rate = np.zeros(6)
         self._pushed = False
@@ -79,9 +81,10 @@ class Plant:
                     f"with {n} joint axes needs {held.shape}"
                 )
             held[:] = given
-        if not np.isfinite(self.tau.sum() + self._base.sum()):
+        on_base = float(self._flat @ self._flat)
+        if not math.isfinite(on_base + float(self.torque @ self.torque)):
             self._refuse(command, time)
-        pushed = bool(self._base.any())
+        pushed = on_base > 0.0
         if self._pushed and not pushed:
             self.tau[:6] = self.impulse_rate[:] = 0.0
         self._pushed = pushed

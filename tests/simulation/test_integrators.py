@@ -1,5 +1,7 @@
 """Order, invariants and agreement of the integrators."""
 
+from pathlib import Path
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -8,6 +10,7 @@ import trees
 from ospace import OspaceError, SpaceRobot
 from ospace.simulation import Actuation, lie, simulate
 
+MODELS = Path(__file__).parents[2] / "models"
 AXES_TURN = ("spherical by angles", "universal", "composite")
 SMOOTH = tuple(name for name in trees.JOINT_TYPES if name not in AXES_TURN)
 
@@ -76,7 +79,7 @@ def test_symplectic_keeps_momentum_to_rounding(seed):
 
 def test_symplectic_energy_does_not_drift():
     """The worst error of the energy in the last third of a long run is that of the first third."""
-    robot = SpaceRobot.from_urdf("models/planar_2r.urdf")
+    robot = SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")
     v = np.r_[np.zeros(6), 1.0, -2.0]
     run = simulate(robot, robot.configuration(), v, duration=60.0, step=0.02, integrator="symplectic")
     error = np.abs(run.kinetic_energy - run.kinetic_energy[0])
