@@ -96,6 +96,19 @@ def test_wrench_as_function_of_time_and_wrench_on_base_as_thrusters(robot, start
     assert np.abs(by_point.work - by_thrusters.work).max() < 1e-13
 
 
+def test_wrenches_on_one_link_add_up(robot, start):
+    offset = pin.SE3(np.eye(3), np.array([0.1, 0.2, 0.3]))
+    here, there, base = robot.point("link_4", offset=offset), robot.point("link_4", offset=offset), robot.point("base")
+    F, G, push = np.arange(6.0), np.ones(6), np.array([0.0, 1.0, 0.0, 0.5, 0.0, 0.0])
+    two = run(robot, start, wrenches={here: F, base: push, there: G})
+    command = Actuation(np.zeros(robot.n_joints), push)
+    one = run(robot, start, lambda *_: command, wrenches={here: F + G})
+    assert np.abs(two.q - one.q).max() < 1e-13
+    assert np.abs(two.impulse - one.impulse).max() < 1e-13
+    assert np.abs(two.work - one.work).max() < 1e-13
+    assert two.certificate().passed
+
+
 def test_acceleration_is_that_of_the_paper(robot, start):
     """The first step under a wrench starts with ẍ = Γ_e⁻¹ F − μ."""
     point, F = robot.point("link_5"), np.array([3.0, 2.0, 1.0, 0.3, 0.2, 0.1])
