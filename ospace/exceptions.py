@@ -22,12 +22,16 @@ class UrdfError(OspaceError):
     ----------
     path : Path
         The file.
+    code : str
+        Stable name of the reason; ``ospace check --explain CODE`` tells more.
+    line : int or None
+        Line of the file, counted from 1.
     """
 
-    def __init__(self, path: Path, reason: str) -> None:
-        super().__init__(f"{path}: {reason}")
-        self.path = path
-        self.reason = reason
+    def __init__(self, path: Path, reason: str, code: str, line: int | None = None) -> None:
+        where = "" if line is None else f"line {line}: "
+        super().__init__(f"{path}: {where}{reason} [{code}]")
+        self.path, self.reason, self.code, self.line = path, reason, code, line
 
 
 class UnsoundModelError(OspaceError):

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import bz2
+import gzip
+import lzma
 import os
 import signal
 from pathlib import Path
@@ -12,7 +15,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import ospace
-from ospace.urdf import reader
 
 INERTIAL = (
     '<inertial><origin xyz="0 0 0.1"/><mass value="2"/>'
@@ -137,13 +139,13 @@ def test_a_name_that_is_too_long(tmp_path, capfd):
 
 def test_a_file_that_is_too_large(file, capfd):
     with file.open("w") as sparse:
-        sparse.truncate(reader.MAX_BYTES + 1)
-    refuse(file, capfd, rf"has {reader.MAX_BYTES + 1} bytes; at most {reader.MAX_BYTES}")
+        sparse.truncate(ospace.Limits().bytes + 1)
+    refuse(file, capfd, rf"has {ospace.Limits().bytes + 1} bytes; at most {ospace.Limits().bytes}")
 
 
 def test_a_large_file_that_is_not_too_large(file):
-    file.write_text(ONE_ARM.replace("</robot>", "<gazebo/>" * 1_000_000 + "</robot>"))
-    assert 9_000_000 < file.stat().st_size < reader.MAX_BYTES
+    file.write_text(ONE_ARM.replace("</robot>", "<gazebo/>" * 400_000 + "</robot>"))
+    assert 3_500_000 < file.stat().st_size < ospace.Limits().bytes
     assert ospace.SpaceRobot.from_urdf(file).n_joints == 1
 
 
@@ -155,10 +157,6 @@ def test_a_large_file_that_is_not_too_large(file):
     [
         b"",
         b" \n\t\n",
-        np.random.default_rng(0).bytes(4096),
-        b"\0" * 64,
-        b"\x7fELF\x02\x01\x01" + b"\0" * 57,
-        b"PK\x03\x04 a zip archive",
         b"solid ascii\n facet normal 0 0 1\n",
         b"hello",
         b"robot: {name: made}",
@@ -168,10 +166,8 @@ def test_a_large_file_that_is_not_too_large(file):
         (ONE_ARM + "x").encode(),
         ONE_ARM.replace('"2"', "2").encode(),
         b"<" * 1000,
-        b"<robot name='r'>" + b"<a>" * 100_000,
-        b"<robot name='r'>" + b"<a>" * 100_000 + b"</a>" * 100_000 + b"</robot>",
-        robot(link("base"), name="caf\xe9").encode("latin-1"),
-        b"\xff\xfe" + ONE_ARM.encode(),
+        b"<robot name='r'>" + b"<a>" * 90,
+        b"<robot name='r'>&undefined;</robot>",
     ],
     ids=lambda content: repr(content[:12]),
 )
@@ -180,26 +176,56 @@ def test_what_is_no_xml(file, capfd, content):
     refuse(file, capfd, "no well-formed XML")
 
 
-@pytest.mark.parametrize("use", ['<link name="&a12;"/>', "<link name='base'>&a12;</link>", "&a12;"])
-def test_a_billion_laughs_stay_one(file, capfd, use):
-    file.write_text(EXPANDING + "]>" + robot(link("base"), use))
-    signal.alarm(5)
-    refuse(file, capfd, r"no well-formed XML.*[Ee]ntity")
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (np.random.default_rng(0).bytes(4096), "NUL|no UTF-8"),
+        (b"\0" * 64, "NUL"),
+        (b"\x7fELF\x02\x01\x01" + b"\0" * 57, "NUL"),
+        (ONE_ARM.replace("base", "ba\0se").encode(), "line 1: has a NUL byte"),
+        (b"PK\x03\x04 a zip archive", "zip"),
+        (gzip.compress(ONE_ARM.encode()), "gzip"),
+        (bz2.compress(ONE_ARM.encode()), "bzip2"),
+        (lzma.compress(ONE_ARM.encode()), "xz"),
+        (robot(link("base"), name="caf\xe9").encode("latin-1"), "line 1: .*0xe9.*no UTF-8"),
+        (b"\xff\xfe" + ONE_ARM.encode(), "UTF-16"),
+        (ONE_ARM.encode("utf-16"), "UTF-16"),
+        (ONE_ARM.encode("utf-16-le"), "UTF-16"),
+        (ONE_ARM.encode("utf-16-be"), "UTF-16"),
+        (ONE_ARM.encode("utf-32-be"), "NUL"),
+    ],
+    ids=lambda content: repr(content[:12]),
+)
+def test_what_is_no_text(file, capfd, content, reason):
+    file.write_bytes(content)
+    refuse(file, capfd, reason)
 
 
-@pytest.mark.parametrize("target", ["file:///etc/hostname", "secret.txt", "http://192.0.2.1/x"])
-def test_external_entities_are_not_fetched(file, target):
-    (file.parent / "secret.txt").write_text('<link name="secret"/>')
-    doctype = f'<!DOCTYPE robot [<!ENTITY out SYSTEM "{target}">]>'
-    file.write_text(doctype + robot(link("base"), "&out;"))
-    made, refusal = attempt(file)
-    assert made is None or made.leaf_links == ["base"]
-    assert "secret" not in str(refusal)
+@pytest.mark.parametrize("close", [b"", b"</a>" * 100_000 + b"</robot>"])
+def test_elements_too_deep(file, capfd, close):
+    file.write_bytes(b"<robot name='r'>" + b"<a>" * 100_000 + close)
+    refuse(file, capfd, "more than 100 deep")
 
 
-def test_an_external_doctype_is_not_fetched(file):
+@pytest.mark.parametrize(
+    "doctype",
+    [
+        EXPANDING + "]>",
+        "<!DOCTYPE robot>",
+        '<!DOCTYPE robot [<!ENTITY out SYSTEM "file:///etc/hostname">]>',
+        '<!DOCTYPE robot [<!ENTITY out SYSTEM "http://192.0.2.1/x">]>',
+        '<!DOCTYPE robot SYSTEM "robot.dtd">',
+    ],
+)
+def test_a_document_type_is_refused_before_anything_is_made_of_it(file, capfd, doctype):
     os.mkfifo(file.parent / "robot.dtd")
-    file.write_text('<!DOCTYPE robot SYSTEM "robot.dtd">' + ONE_ARM)
+    file.write_text(doctype + ONE_ARM)
+    signal.alarm(5)
+    refuse(file, capfd, "document type")
+
+
+def test_a_document_type_in_a_comment_is_a_comment(file):
+    file.write_text(f"<!-- <!DOCTYPE robot> -->{ONE_ARM}")
     assert ospace.SpaceRobot.from_urdf(file).n_joints == 1
 
 
@@ -211,9 +237,10 @@ XACRO = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="made">{}</robo
 @pytest.mark.parametrize(
     ("content", "reason"),
     [
-        ("<!DOCTYPE html><html><head/><body><p>404 Not Found</p></body></html>", "<html>, not <robot>"),
-        ('<sdf version="1.6"><model name="made"><link name="base"/></model></sdf>', "<sdf>, not <robot>"),
-        ('<mujoco model="made"><worldbody/></mujoco>', "<mujoco>, not <robot>"),
+        ("<!DOCTYPE html><html><head/><body><p>404 Not Found</p></body></html>", "<html>, not <robot>.*HTML"),
+        ("<html><head><meta></head></html>", "HTML"),
+        ('<sdf version="1.6"><model name="made"><link name="base"/></model></sdf>', "<sdf>, not <robot>.*SDF"),
+        ('<mujoco model="made"><worldbody/></mujoco>', "<mujoco>, not <robot>.*MJCF"),
         (ONE_ARM.replace("robot", "Robot"), "<Robot>, not <robot>"),
         (f"<robot>{link('base')}</robot>", "has no name"),
         (robot(link("base"), name=""), "has no name"),
@@ -242,7 +269,7 @@ def test_what_xacro_leaves_behind_is_no_xacro(file):
     assert ospace.SpaceRobot.from_urdf(file).n_joints == 0
 
 
-# -- no robot: Pinocchio's own words, or ours where it says nothing ----------------------------------------------
+# -- no robot ----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -250,24 +277,59 @@ def test_what_xacro_leaves_behind_is_no_xacro(file):
     [
         ((link("base"), link("base")), "'base' is not unique"),
         ((link("base"), link("arm"), link("hand"), joint(), joint(child="hand")), "'hinge' is not unique"),
-        ((link("base"), link("arm")), r"(?i)two root links.*arm.*base"),
+        ((link("base"), link("arm")), "2 root links.*base.*arm"),
         ((link("base"), link("arm"), joint(), joint("back", parent="arm", child="base")), "(?i)root link|loop"),
         ((link("base"), joint()), "arm.*not found"),
         ((link("base"), link("arm"), joint(parent="trunk")), "trunk"),
-        ((link("base"), link("arm"), joint(more='<axis xyz="0 1 0"/>')), "hinge.*limits"),
-        ((link("base"), link("arm"), joint(kind="ball")), "hinge.*ball"),
-        ((link("base"), link("arm"), joint().replace('type="revolute"', "")), "hinge"),
         ((link("base"), link("arm"), joint().replace('name="hinge"', "")), "(?i)unnamed joint"),
-        ((link("base"), link("arm"), joint(more='<axis xyz="0 one 0"/>' + LIMIT)), "hinge"),
-        ((link("base"), link("arm"), joint(more='<axis xyz="nan 0 1"/>' + LIMIT)), "hinge"),
-        ((link("base"), link("arm"), joint(more='<origin xyz="0 inf 0"/><axis xyz="0 1 0"/>' + LIMIT)), "hinge"),
-        ((link("base"), link("arm"), joint(more='<origin xyz="0 0"/><axis xyz="0 1 0"/>' + LIMIT)), "hinge"),
-        ((link("base"), link("arm"), joint(more='<axis xyz="0 1 0"/>' + LIMIT + "<mimic/>")), "hinge"),
+        ((link("base"), link("")), "(?i)unnamed link"),
+        ((link("base"), link("arm"), joint().replace('<parent link="base"/>', "")), "hinge.*<parent"),
+        ((link("base"), robot(link("arm"))), "<robot> stands inside"),
     ],
 )
-def test_what_pinocchio_rejects(file, capfd, parts, reason):
+def test_what_is_no_tree(file, capfd, parts, reason):
     file.write_text(robot(*parts))
     refuse(file, capfd, reason)
+
+
+AXIS = '<axis xyz="0 1 0"/>'
+
+
+@pytest.mark.parametrize(
+    ("part", "code"),
+    [
+        (joint(kind="ball"), "joint-type"),
+        (joint().replace('type="revolute"', ""), "joint-type"),
+        (joint(more='<axis xyz="0 one 0"/>' + LIMIT), "number-unreadable"),
+        (joint(more='<axis xyz="nan 0 1"/>' + LIMIT), "number-unreadable"),
+        (joint(more='<origin xyz="0 inf 0"/>' + AXIS + LIMIT), "number-unreadable"),
+        (joint(more='<origin xyz="0 0"/>' + AXIS + LIMIT), "number-unreadable"),
+        (joint(more=AXIS + LIMIT + "<mimic/>"), "mimic-unknown"),
+        (joint(more='<axis xyz="0 0 0"/>' + LIMIT), "axis-zero"),
+        (joint(kind="prismatic", more='<axis xyz="0 0 0"/>' + LIMIT), "axis-zero"),
+        (joint(kind="continuous", more='<axis xyz="0 0 1e-9"/>'), "axis-zero"),
+        (joint(kind="planar", more=AXIS), "planar-axis"),
+    ],
+)
+def test_joints_that_move_in_no_known_way(file, capfd, part, code):
+    file.write_text(robot(link("base"), link("arm"), part))
+    with pytest.raises(ospace.UnsoundModelError) as caught:
+        ospace.SpaceRobot.from_urdf(file)
+    assert {(one.code, one.subject) for one in caught.value.findings if one.severity == "error"} == {
+        (code, "joint 'hinge'")
+    }
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_revolute_joint_without_limits_is_unlimited(file):
+    file.write_text(robot(link("base"), link("arm"), joint(more=AXIS)))
+    made = ospace.SpaceRobot.from_urdf(file)
+    assert (made.nq, made.nv) == (8, 7)
+    assert [one.code for one in made.findings if one.severity == "warning" and one.subject == "joint 'hinge'"] == [
+        "limits-missing"
+    ]
+    assert made.model.lowerPositionLimit[7] == -np.inf
+    assert made.model.upperPositionLimit[7] == made.model.effortLimit[6] == made.model.velocityLimit[6] == np.inf
 
 
 @pytest.mark.parametrize(
@@ -327,12 +389,6 @@ def test_an_inertial_that_cannot_be_read_is_no_inertial_left_out(file, capfd, br
     assert capfd.readouterr() == ("", "")
 
 
-@pytest.mark.parametrize("kind", ["revolute", "prismatic", "continuous"])
-def test_an_axis_of_no_length_is_no_axis(file, capfd, kind):
-    file.write_text(robot(link("base"), link("arm"), joint(kind=kind, more='<axis xyz="0 0 0"/>' + LIMIT)))
-    refuse(file, capfd, "hinge.*axis|axis.*hinge")
-
-
 # -- what is read all the same -----------------------------------------------------------------------------------
 
 
@@ -358,16 +414,14 @@ def test_a_name_that_is_no_unicode(tmp_path):
 DECLARED = '<?xml version="1.0" encoding="{}"?>' + robot(link("base"), name="café")
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
-def test_declared_encodings(file, encoding):
-    name = {"utf-8-sig": "utf-8", "latin-1": "ISO-8859-1"}.get(encoding, encoding)
-    file.write_bytes(DECLARED.format(name).encode(encoding))
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig"])
+@pytest.mark.parametrize("declared", ["utf-8", "ISO-8859-1", "UTF-16", "UTF-7"])
+def test_the_encoding_is_utf_8_whatever_is_declared(file, encoding, declared):
+    file.write_bytes(DECLARED.format(declared).encode(encoding))
     assert ospace.SpaceRobot.from_urdf(file).name == "café"
 
 
-@pytest.mark.parametrize(
-    "before", ["\ufeff", "\n", "<!-- a comment: ü -->", "<?xml-model href='x'?>", "<!DOCTYPE robot>"]
-)
+@pytest.mark.parametrize("before", ["\ufeff", "\n", "<!-- a comment: ü -->", "<?xml-model href='x'?>"])
 @pytest.mark.parametrize("ends", ["\n", "\r\n"])
 def test_what_may_stand_around_a_robot(file, before, ends):
     text = before + "\n" + ONE_ARM.replace("><", ">\n<!-- <link/> --><") + "\n<!-- end -->\n"
