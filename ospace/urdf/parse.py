@@ -16,11 +16,11 @@ from ospace.urdf.numbers import LARGEST, NumberError, RangeError, has_space_arou
 from ospace.urdf.source import line_of
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
-_AXIS_TOO_SHORT, _AXIS_OFF_UNIT = 1e-6, 1e-3
-_TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+AXIS_TOO_SHORT, AXIS_OFF_UNIT = 1e-6, 1e-3
+TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _POSE = {"xyz", "rpy"}
-_IN_LINK = {"inertial": {}, "visual": {}, "collision": {}}
-_IN_INERTIAL = {"origin": _POSE, "mass": {"value"}, "inertia": set(_TENSOR)}
+_IN_LINK = {"inertial": {"name"}, "visual": {"name"}, "collision": {"name", "group"}}
+_IN_INERTIAL = {"origin": _POSE, "mass": {"value"}, "inertia": set(TENSOR)}
 _IN_JOINT = {
     "origin": _POSE,
     "parent": {"link"},
@@ -59,7 +59,7 @@ class _Reader:
     def link(self, element: etree._Element) -> Link:
         name = element.get("name", "")
         self.subject, self.code = f"link '{name}'", "inertial-unreadable"
-        self._look_at_children(element, _IN_LINK, attributes=False)
+        self._look_at_children(element, _IN_LINK)
         inertial = element.find("inertial")
         shapes = tuple(self._shapes(element))
         self.code = "inertial-unreadable"
@@ -73,7 +73,7 @@ class _Reader:
             self._add(self.code, f"<inertial> has no {missing}", element)
             return None
         before = len(self.findings)
-        tensor = [self._scalar(inertia, key, largest=LARGEST) for key in _TENSOR]
+        tensor = [self._scalar(inertia, key, largest=LARGEST) for key in TENSOR]
         pose, value = self._pose(element), self._scalar(mass, "value", largest=LARGEST)
         if any_error(self.findings[before:]):
             return None
@@ -152,10 +152,10 @@ class _Reader:
         if any_error(self.findings[before:]):
             return given
         length = math.hypot(*given)
-        if length < _AXIS_TOO_SHORT:
+        if length < AXIS_TOO_SHORT:
             self._add("axis-zero", f"its axis '{text}' has no length", axis, text)
             return given
-        if abs(length - 1.0) > _AXIS_OFF_UNIT:
+        if abs(length - 1.0) > AXIS_OFF_UNIT:
             self._add("axis-not-unit", f"its axis '{text}' has length {length:.6g}", axis, text)
         return given if length == 1.0 else (given[0] / length, given[1] / length, given[2] / length)
 
@@ -232,9 +232,7 @@ class _Reader:
         code = "number-range" if out_of_range else self.code
         self._add(code, f"{key}='{text}' of <{_tag(element)}> {error}", element, text)
 
-    def _look_at_children(
-        self, element: etree._Element, known: dict[str, set[str]], *, attributes: bool = True
-    ) -> None:
+    def _look_at_children(self, element: etree._Element, known: dict[str, set[str]]) -> None:
         """Name children, and attributes of children, that URDF does not have, and those that stand twice."""
         seen: set[str] = set()
         for child in element.iterchildren(etree.Element):
@@ -248,7 +246,7 @@ class _Reader:
             if tag in seen and tag not in _SEVERAL:
                 self._add("duplicate-element", f"<{_tag(element)}> has a second <{tag}>", child)
             seen.add(tag)
-            for key in map(str, child.attrib if attributes else ()):
+            for key in map(str, child.attrib):
                 if key not in known[tag] and not key.startswith("{"):
                     message = f"<{tag}> has the unknown attribute '{key}'{closest(key, known[tag])}"
                     self._add("unknown-attribute", message, child, key, _as_unknown(key, known[tag]))

@@ -107,7 +107,7 @@ def _check_text(path: Path, content: bytes) -> None:
         raise UrdfError(path, reason, "not-text", line) from None
 
 
-def parse(path: Path, content: bytes, limits: Limits, *, keep_comments: bool = False) -> etree._Element:
+def parse(path: Path, content: bytes, limits: Limits) -> etree._Element:
     """Parse the content; no entity is expanded, and nothing else is opened.
 
     Raises
@@ -122,8 +122,8 @@ def parse(path: Path, content: bytes, limits: Limits, *, keep_comments: bool = F
         no_network=True,
         load_dtd=False,
         huge_tree=False,
-        remove_comments=not keep_comments,
-        remove_pis=not keep_comments,
+        remove_comments=True,
+        remove_pis=True,
     )
     try:
         return etree.fromstring(content, parser)

@@ -30,12 +30,13 @@ class IndependentReader:
     """
 
     def __init__(self, robot: SpaceRobot) -> None:
-        if robot.source is None:
+        if robot.source is None or robot.description is None:
             raise OspaceError(f"robot '{robot.name}' was not read from a URDF")
         self.robot = robot
         self._urdf = _load(robot.source)
-        self._parents = {joint.child: joint for joint in self._urdf.joint_map.values()}
-        self.links = [link for link in self._urdf.link_map if self._moved(link)]
+        self._root = robot.description.root
+        self._parents = {joint.child: joint for joint in self._urdf.joint_map.values() if joint.child != self._root}
+        self.links = [link for link in self._urdf.link_map if link in robot.description.link and self._moved(link)]
 
     def _moved(self, link: str) -> bool:
         """Whether yourdfpy moves all joints on the way from the base to `link`; it leaves planar and floating ones."""
@@ -60,7 +61,7 @@ class IndependentReader:
         apart, size = 0.0, 1.0
         for link in self.links:
             ours = (base * data.oMf[robot.model.getFrameId(link, pin.FrameType.BODY)]).homogeneous
-            theirs: Floats = self._urdf.get_transform(link, self._urdf.base_link)
+            theirs: Floats = self._urdf.get_transform(link, self._root)
             apart = max(apart, float(np.abs(ours - theirs).max()))
             size = max(size, float(np.abs(theirs).max()))
         return apart / size

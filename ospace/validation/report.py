@@ -16,6 +16,7 @@ from ospace.points import OperationalPoint
 from ospace.robot import SpaceRobot
 from ospace.urdf.findings import Finding, found
 from ospace.validation.agreement import Agreement, AgreementTable, summary
+from ospace.validation.extremes import Extremes
 from ospace.validation.placements import IndependentReader
 from ospace.validation.sample import Sample, condition
 from ospace.validation.sampling import random_state
@@ -136,14 +137,16 @@ def check(
     Every second state is 7e6 m from the origin. `progress` is called with the number of states done.
     """
     rng = np.random.default_rng(seed)
-    table, findings = AgreementTable(), list(robot.findings)
+    table, extremes, findings = AgreementTable(), Extremes(points), list(robot.findings)
     reader = _second_reader(robot, findings)
     placed: list[tuple[float, float]] = []
     rows: list[Agreement] = []
     done = 0
     try:
         for done in range(1, samples + 1):
-            table.add(Sample(random_state(robot, rng, far=done % 2 == 0), points, rng))
+            sample = Sample(random_state(robot, rng, far=done % 2 == 0), points, rng)
+            table.add(sample)
+            extremes.add(sample)
             if reader is not None:
                 placed.append((reader.compare(rng), _PLACEMENT_BOUND))
             progress(done)
@@ -156,6 +159,7 @@ def check(
         findings.append(found("singular-inertia", f"joint '{error.joint}'", message))
     except (OspaceError, np.linalg.LinAlgError) as error:
         findings.append(found("not-computable", f"robot '{robot.name}'", str(error)))
+    findings += extremes.findings(robot.name)
     return Report(model_facts(robot, points), tuple(findings), rows, done, seed)
 
 

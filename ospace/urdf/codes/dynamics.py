@@ -57,8 +57,7 @@ DYNAMICS = (
         name="dynamic-singularity",
         severity="info",
         summary="How near J* of an operational point comes to a dynamic singularity over the sampled states: its "
-        "smallest singular value over the largest, lengths in units of the robot's radius of gyration. A warning "
-        "below 1e-4.",
+        "smallest singular value over the largest, scaled as in the agreement table. A warning below 1e-6.",
         reason="There the joints cannot move the point in some direction, though the arm alone could: where that is "
         "depends on masses, not only on geometry.",
         remedy="Keep away from such states, or take fewer rows.",
