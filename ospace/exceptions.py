@@ -86,10 +86,13 @@ class DependentRowsError(OspaceError):
         )
 
 
+_COMPARED = 100  # characters: to compare two names takes their product
+
+
 def closest(name: str, choices: Iterable[str]) -> str:
     """Return ``; did you mean 'x'?`` for an unknown `name`, or the choices where nothing is near."""
-    known = sorted(set(choices))
-    near = difflib.get_close_matches(name, known, n=3)
+    known = sorted(choice for choice in set(choices) if len(choice) <= _COMPARED)
+    near = difflib.get_close_matches(name[:_COMPARED], known, n=3)
     if near:
         return "; did you mean " + " or ".join(f"'{one}'" for one in near) + "?"
     shown = ", ".join(known[:12]) + (f", … ({len(known)} in all)" if len(known) > 12 else "")

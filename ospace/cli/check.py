@@ -54,7 +54,7 @@ def add_to(verbs: Any) -> None:
     other = verb.add_mutually_exclusive_group()
     other.add_argument("--fix", metavar="OUT", help="write a repaired copy of URDF, and check nothing")
     other.add_argument("--explain", metavar="CODE", help="tell what there is to know of a finding, and check nothing")
-    verb.set_defaults(run=run)
+    verb.set_defaults(run=run, refuse_usage=verb.error)
 
 
 def _count(text: str) -> int:
@@ -77,16 +77,14 @@ def _seed(text: str) -> int:
 
 def run(given: argparse.Namespace) -> tuple[int, str]:
     """Check; return the exit status and the text to print."""
-    from ospace.exceptions import OspaceError
-
     if given.json and (given.fix is not None or given.explain is not None):
-        raise OspaceError("--json tells of a check: give it without --fix and --explain")
+        given.refuse_usage("--json tells of a check: give it without --fix and --explain")
     if given.explain is not None:
         from ospace.urdf import explain
 
         return 0, explain.text(given.explain)
     if given.urdf is None:
-        raise OspaceError("check what? Give a URDF, or a code with --explain")
+        given.refuse_usage("give a URDF, or a code with --explain")
     return _fix(given) if given.fix is not None else _check(given)
 
 

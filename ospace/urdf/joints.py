@@ -65,7 +65,8 @@ def _mimic(description: Description, joint: Joint, mimic: Mimic, *, free_mimic: 
         remedy = f"Keep to positions in which it follows '{of}', or make the joint fixed."
         return found("mimic-freed", joint.subject, message, remedy=remedy, line=mimic.line, value=of)
     if of not in description.joint or of == joint.name:
-        near = "" if of == joint.name else closest(of, description.joint)
+        movable = (one.name for one in description.joints if one.kind != "fixed")
+        near = "" if of == joint.name else closest(of, movable)
         message = f"mimics '{of}', which is no other joint of the file{near}"
         return found("mimic-unknown", joint.subject, message, line=mimic.line, value=of)
     return found("mimic", joint.subject, f"mimics '{of}': the coupling cannot be kept", line=mimic.line, value=of)

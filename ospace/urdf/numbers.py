@@ -8,7 +8,7 @@ import re
 LARGEST = 1e12
 """Size beyond which no mass, length or inertia of a robot lies, SI units: products of several must stay finite."""
 
-_PLAIN = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+_PLAIN = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _SPACE = " \t\r\n"
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from typing import Literal, cast
 
@@ -33,6 +34,7 @@ _IN_JOINT = {
     "safety_controller": {"soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"},
 }
 _LEFT_ALONE = {"gazebo", "sensor", "transmission", "ros2_control", "contact"}
+_TOLD = 200  # findings of one kind
 _SEVERAL = {"visual", "collision"}
 
 
@@ -43,7 +45,7 @@ def parse(root: etree._Element) -> tuple[Description, list[Finding]]:
     joints = tuple(reader.joint(element) for element in root.iterfind("joint"))
     for element in root.iterfind("material"):
         reader.colour(element, f"material '{element.get('name', '')}'")
-    return Description(root.get("name", ""), links, joints), reader.findings
+    return Description(root.get("name", ""), links, joints), [*reader.findings, *reader.untold()]
 
 
 class _Reader:
@@ -51,6 +53,7 @@ class _Reader:
 
     def __init__(self) -> None:
         self.findings: list[Finding] = []
+        self.count: Counter[str] = Counter()
         self.subject = ""
         self.code = ""
 
@@ -240,16 +243,23 @@ class _Reader:
             if tag.startswith("{") or tag in _LEFT_ALONE:
                 continue
             if tag not in known:
-                message = f"<{_tag(element)}> has the unknown element <{tag}>{closest(tag, known)}"
-                self._add("unknown-element", message, child, tag, _as_unknown(tag, known))
+                self._unknown(
+                    "unknown-element", f"<{_tag(element)}> has the unknown element <{tag}>", tag, known, child
+                )
                 continue
             if tag in seen and tag not in _SEVERAL:
                 self._add("duplicate-element", f"<{_tag(element)}> has a second <{tag}>", child)
             seen.add(tag)
             for key in map(str, child.attrib):
                 if key not in known[tag] and not key.startswith("{"):
-                    message = f"<{tag}> has the unknown attribute '{key}'{closest(key, known[tag])}"
-                    self._add("unknown-attribute", message, child, key, _as_unknown(key, known[tag]))
+                    what = f"<{tag}> has the unknown attribute '{key}'"
+                    self._unknown("unknown-attribute", what, key, known[tag], child)
+
+    def _unknown(self, code: str, what: str, name: str, known: Iterable[str], element: etree._Element) -> None:
+        """Take a name that is near to one of URDF for a slip, any other for one of another program."""
+        near = difflib.get_close_matches(name[:100].lower(), known, n=1) if self.count[code] < _TOLD else []
+        message = f"{what}; did you mean '{near[0]}'?" if near else what
+        self._add(code, message, element, name, None if near else "info")
 
     def _add(
         self,
@@ -259,13 +269,18 @@ class _Reader:
         value: str | None = None,
         severity: Literal["info"] | None = None,
     ) -> None:
-        self.findings.append(found(code, self.subject, message, line=line_of(element), value=value, severity=severity))
+        self.count[code] += 1
+        if self.count[code] <= _TOLD:
+            self.findings.append(
+                found(code, self.subject, message, line=line_of(element), value=value, severity=severity)
+            )
+
+    def untold(self) -> Iterator[Finding]:
+        """Say how many findings of a kind are left out."""
+        for code, count in self.count.items():
+            if count > _TOLD:
+                yield found(code, "file", f"{count - _TOLD} more of this kind are not told")
 
 
 def _tag(element: etree._Element) -> str:
     return str(element.tag)
-
-
-def _as_unknown(name: str, known: Iterable[str]) -> Literal["info"] | None:
-    """Take a name that is near to one of URDF for a slip, any other for one of another program."""
-    return None if difflib.get_close_matches(name.lower(), known, n=1, cutoff=0.7) else "info"

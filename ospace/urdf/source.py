@@ -47,6 +47,8 @@ class Limits:
         Nesting of XML elements.
     attributes : int
         Attributes of one element.
+    text : int
+        Characters of one attribute.
     nodes : int
         Elements, attributes, comments and processing instructions of the file.
     links : int
@@ -57,7 +59,8 @@ class Limits:
     bytes: int = 20_000_000
     depth: int = 100
     attributes: int = 64
-    nodes: int = 500_000
+    text: int = 10_000
+    nodes: int = 200_000
     links: int = 2000
     dof: int = 150
 
@@ -180,6 +183,9 @@ class _Scan:
         if len(attributes) > self.limits.attributes:
             reason = f"<{name}> has {len(attributes)} attributes; at most {self.limits.attributes} are read"
             self._refuse(reason, "too-many-attributes")
+        if attributes and max(map(len, attributes.values())) > self.limits.text:
+            reason = f"<{name}> has an attribute of more than {self.limits.text} characters"
+            self._refuse(reason, "too-long-attribute")
         if name.startswith("xacro:"):
             self._refuse(_UNEXPANDED, "xacro")
         self.nodes += len(attributes)

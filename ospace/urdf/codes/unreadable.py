@@ -71,8 +71,15 @@ FILES = (
         example='<link name="base" a0="" a1="" a2="" …/>',
     ),
     _refused(
+        name="too-long-attribute",
+        summary="An attribute has more than 10,000 characters.",
+        reason="No name or number is that long.",
+        remedy="Remove what is no URDF, or raise the limit: Limits(text=N).",
+        example='<link name="aaaaaaaa…"/>',
+    ),
+    _refused(
         name="too-many-nodes",
-        summary="The file has more than 500,000 elements, attributes and comments.",
+        summary="The file has more than 200,000 elements, attributes and comments.",
         reason="Each costs some hundred bytes of memory, whatever it holds.",
         remedy="Remove what is no URDF, or raise the limit: Limits(nodes=N).",
         example="<a/><a/><a/>…",
