@@ -28,7 +28,7 @@ def of_joints(description: Description, *, free_mimic: bool) -> Iterator[Finding
         for name, value in (("damping", joint.damping), ("friction", joint.friction)):
             if value < 0.0:
                 message = f"{name} {value:g} is negative"
-                yield found("damping-negative", joint.subject, message, line=joint.line, value=repr(value))
+                yield found(f"{name}-negative", joint.subject, message, line=joint.line, value=repr(value))
         yield from _limits(joint)
 
 

@@ -208,7 +208,7 @@ class _Reader:
             return number(text, largest)
         except NumberError as error:
             self._unreadable(element, key, text, error)
-            return 0.0
+            return math.nan  # which compares with nothing, so that nothing more is found of it
 
     def _vector(self, element: etree._Element, key: str, default: Triple | None) -> Triple:
         if default is not None and key not in element.attrib:

@@ -165,7 +165,7 @@ def check(
 
 def _second_reader(robot: SpaceRobot, findings: list[Finding]) -> IndependentReader | None:
     """Return the independent reader; None, with a finding, where it rejects the file, or there is none."""
-    if robot.source is None:
+    if robot.description is None:
         return None
     try:
         return IndependentReader(robot)

@@ -89,10 +89,18 @@ JOINTS = (
     Code(
         name="damping-negative",
         severity="warning",
-        summary="Damping or friction of a joint is negative.",
+        summary="The damping of a joint is negative.",
         reason="The joint would drive itself, and a simulation gains energy.",
         remedy="Give a positive coefficient.",
         example='<dynamics damping="-0.1"/>',
+    ),
+    Code(
+        name="friction-negative",
+        severity="error",
+        summary="The friction of a joint is negative.",
+        reason="The joint would drive itself, and Pinocchio's parser rejects the file.",
+        remedy="Give a positive coefficient.",
+        example='<dynamics friction="-0.1"/>',
     ),
     Code(
         name="mimic",
