@@ -10,6 +10,7 @@ from pathlib import Path
 from ospace.urdf.description import Description, Link, Shape
 from ospace.urdf.findings import Finding, found
 
+_MOST = 1000  # files that are looked for
 _STL_HEADER, _STL_FACET = 84, 50  # bytes
 
 
@@ -60,14 +61,18 @@ def locate(filename: str, urdf: Path, package_dirs: Sequence[Path]) -> Path:
 def of_shapes(description: Description, urdf: Path, package_dirs: Sequence[Path]) -> Iterator[Finding]:
     """Look for the meshes of all links."""
     not_looked_up: dict[str, Shape] = {}
+    looked_for: set[str] = set()
     for link in description.links:
         told: set[str] = set()
         for shape in link.shapes:
             if shape.kind != "mesh" or shape.filename in told:
                 continue
             told.add(shape.filename)
+            looked_for.add(shape.filename)
             yield from _scale(link, shape)
             try:
+                if len(looked_for) > _MOST:
+                    raise MeshError("mesh-not-looked-up", "there are too many")
                 locate(shape.filename, urdf, package_dirs)
             except MeshError as error:
                 if error.code == "mesh-not-looked-up":
@@ -76,7 +81,7 @@ def of_shapes(description: Description, urdf: Path, package_dirs: Sequence[Path]
                     yield found(error.code, link.subject, str(error), line=shape.line, value=shape.filename)
     if not_looked_up:
         first = next(iter(not_looked_up))
-        message = f"{len(not_looked_up)} meshes are named by package, the first '{first}'"
+        message = f"{len(not_looked_up)} meshes were not looked for, the first '{first}'"
         yield found("mesh-not-looked-up", "file", message, line=not_looked_up[first].line, value=first)
 
 

@@ -35,34 +35,30 @@ class IndependentReader:
             raise OspaceError(f"robot '{robot.name}' was not read from a URDF")
         self.robot = robot
         self._urdf = _load(robot.description)
-        self._parents = {joint.child: joint for joint in self._urdf.joint_map.values()}
-        self.links = [link for link in self._urdf.link_map if self._moved(link)]
+        # Each link as seen from the one it hangs from: where all of these agree, the links agree in the base.
+        self._pairs = [(joint.parent, joint.child) for joint in self._urdf.joint_map.values() if joint.type in _MOVED]
 
-    def _moved(self, link: str) -> bool:
-        """Whether yourdfpy moves all joints on the way from the base to `link`; it leaves planar and floating ones."""
-        while link in self._parents:
-            if self._parents[link].type not in _MOVED:
-                return False
-            link = self._parents[link].parent
-        return True
+    @property
+    def compared(self) -> int:
+        """Links whose placements are compared; yourdfpy does not move planar and floating joints."""
+        return 1 + len(self._pairs)
 
     def compare(self, rng: np.random.Generator) -> float:
-        """Return the largest difference of a link's placement in the base, over the size of the robot."""
+        """Return the largest difference of a link's placement, over the distance from the link it hangs from."""
         robot = self.robot
         positions = robot.joint_positions(random_state(robot, rng).q)
         data = robot.scratch.data
         pin.framesForwardKinematics(robot.model, data, robot.configuration(positions))
-        base = data.oMi[1].inverse()
         angles = {name: value for name, value in positions.items() if isinstance(value, float)}
         with _quiet():
             self._urdf.update_cfg({name: angles[name] for name in self._urdf.actuated_joint_names if name in angles})
-        apart, size = 0.0, 1.0
-        for link in self.links:
-            ours = (base * data.oMf[robot.model.getFrameId(link, pin.FrameType.BODY)]).homogeneous
-            theirs: Floats = self._urdf.get_transform(link, self._urdf.base_link)
-            apart = max(apart, float(np.abs(ours - theirs).max()))
-            size = max(size, float(np.abs(theirs).max()))
-        return apart / size
+        worst = 0.0
+        for parent, child in self._pairs:
+            above, below = (data.oMf[robot.model.getFrameId(link, pin.FrameType.BODY)] for link in (parent, child))
+            ours = (above.inverse() * below).homogeneous
+            theirs: Floats = self._urdf.get_transform(child, parent)
+            worst = max(worst, float(np.abs(ours - theirs).max()) / max(1.0, float(np.abs(theirs).max())))
+        return worst
 
 
 def _load(description: Description) -> yourdfpy.URDF:

@@ -152,7 +152,7 @@ def check(
             progress(done)
         rows = table.rows()
         if reader is not None:
-            name = f"placements of {len(reader.links)} links"
+            name = f"placements of {reader.compared} links"
             rows.append(summary(name, "14", "Pinocchio", "yourdfpy", placed))
     except SingularInertiaError as error:
         message = "carries no inertia in a sampled state, so the joint-space inertia is singular to working precision"

@@ -46,7 +46,8 @@ MESHES = (
     Code(
         name="mesh-not-looked-up",
         severity="info",
-        summary="Meshes are named by package://, and no folder was given to look them up in.",
+        summary="Meshes are named by package://, and no folder was given to look them up in; or there are more than "
+        "1000 of them.",
         reason="Whether they exist is not known; dynamics do not need them.",
         remedy="Give the folder that holds the packages: --package-dir DIR.",
         example='<mesh filename="package://arm_description/meshes/arm.stl"/>',
