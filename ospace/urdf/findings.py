@@ -8,6 +8,8 @@ from typing import Any
 
 from ospace.urdf.codes import CODES, Severity
 
+_GRAVITY = ("error", "warning", "info")
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -65,6 +67,11 @@ def found(
     """Make a finding; severity and remedy are those of its code unless given."""
     known = CODES[code]
     return Finding(code, severity or known.severity, subject, message, remedy or known.remedy, line, value)
+
+
+def gravest_first(findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """Return errors before warnings before infos, each in the order given."""
+    return tuple(sorted(findings, key=lambda finding: _GRAVITY.index(finding.severity)))
 
 
 def any_error(findings: Iterable[Finding]) -> bool:

@@ -35,6 +35,7 @@ _IN_JOINT = {
 }
 _LEFT_ALONE = {"gazebo", "sensor", "transmission", "ros2_control", "contact"}
 _TOLD = 200  # findings of one kind
+_SLIP = 2  # characters by which a misspelt name may be longer or shorter
 _SEVERAL = {"visual", "collision"}
 
 
@@ -258,6 +259,7 @@ class _Reader:
     def _unknown(self, code: str, what: str, name: str, known: Iterable[str], element: etree._Element) -> None:
         """Take a name that is near to one of URDF for a slip, any other for one of another program."""
         near = difflib.get_close_matches(name[:100].lower(), known, n=1) if self.count[code] < _TOLD else []
+        near = [one for one in near if abs(len(one) - len(name)) <= _SLIP]
         message = f"{what}; did you mean '{near[0]}'?" if near else what
         self._add(code, message, element, name, None if near else "info")
 

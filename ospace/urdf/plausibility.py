@@ -70,8 +70,10 @@ def _against_shape(link: Link, inertial: Inertial, shapes: Sequence[Shape]) -> I
     elif 0.0 < gyration < reach / _REACH_OVER_GYRATION:
         yield found("gyration-small", link.subject, compared, line=line, value=f"{gyration:.4g}")
     roles = [[shape for shape in shapes if shape.role == role] for role in ("visual", "collision")]
-    volume = max(sum(map(_volume, of_role)) for of_role in roles)
-    if volume > 0.0 and not _THINNEST <= inertial.mass / volume <= _DENSEST:
+    solid = max(sum(map(_volume, of_role)) for of_role in roles)
+    whole = float(np.prod(box[1] - box[0]))  # shapes may be no more than the corners of a link
+    if solid > 0.0 and (inertial.mass < _THINNEST * solid or inertial.mass > _DENSEST * whole):
+        volume = solid if inertial.mass < _THINNEST * solid else whole
         density = inertial.mass / volume
         message = f"{inertial.mass:g} kg in {volume:.4g} m³: {density:.4g} kg/m³"
         yield found("density", link.subject, message, line=line, value=f"{density:.4g}")

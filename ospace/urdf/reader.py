@@ -12,7 +12,7 @@ from ospace.urdf import inertia, joints, meshes, parity, plausibility, source, s
 from ospace.urdf.bodies import bodies_of
 from ospace.urdf.build import build
 from ospace.urdf.description import Description
-from ospace.urdf.findings import Finding, any_error
+from ospace.urdf.findings import Finding, any_error, gravest_first
 from ospace.urdf.parse import parse
 from ospace.urdf.source import Limits
 
@@ -72,8 +72,8 @@ def read(
     findings += plausibility.of_bodies(bodies)
     findings += meshes.of_shapes(description, path, package_dirs)
     if any_error(findings):
-        return Reading(description, tuple(findings), None)
+        return Reading(description, gravest_first(findings), None)
     model, said = build(path, description)
     parity.prove(path, bodies, model)
     findings += said
-    return Reading(description, tuple(findings), None if any_error(said) else model)
+    return Reading(description, gravest_first(findings), None if any_error(said) else model)

@@ -14,7 +14,7 @@ from ospace.dynamics.joint_space import joint_space_dynamics
 from ospace.exceptions import OspaceError, SingularInertiaError
 from ospace.points import OperationalPoint
 from ospace.robot import SpaceRobot
-from ospace.urdf.findings import Finding, found
+from ospace.urdf.findings import Finding, found, gravest_first
 from ospace.validation.agreement import Agreement, AgreementTable, summary
 from ospace.validation.extremes import Extremes
 from ospace.validation.placements import IndependentReader
@@ -160,7 +160,7 @@ def check(
     except (OspaceError, np.linalg.LinAlgError) as error:
         findings.append(found("not-computable", f"robot '{robot.name}'", str(error)))
     findings += extremes.findings(robot.name)
-    return Report(model_facts(robot, points), tuple(findings), rows, done, seed)
+    return Report(model_facts(robot, points), gravest_first(findings), rows, done, seed)
 
 
 def _second_reader(robot: SpaceRobot, findings: list[Finding]) -> IndependentReader | None:

@@ -23,7 +23,7 @@ PLAUSIBILITY = (
     Code(
         name="density",
         severity="warning",
-        summary="Mass over volume of a link's shape is more than 25,000 or less than 0.1 kg/m³.",
+        summary="A link has more than 25,000 kg/m³ in the box around its shape, or less than 0.1 kg/m³ in its shape.",
         reason="Osmium has 22,600. Masses in grams or shapes in millimetres change the ratio of arm to base, and "
         "with it "
         "everything that is particular to a floating base.",
