@@ -61,19 +61,11 @@ def of_model(model: pin.Model) -> list[Finding]:
     """Look at the bodies of a Pinocchio model with a free-flyer."""
     moving = []
     for j in range(1, model.njoints):
-        inertia, link = model.inertias[j], link_of(model, j)
+        inertia, link = model.inertias[j], _link_of(model, j)
         parent = model.parents[j] - 1
         subject = f"link '{link}'"
         moving.append(Moving(subject, link, str(model.names[j]), parent, inertia.mass, inertia.lever, inertia.inertia))
     return _of_bodies(moving)
-
-
-def link_of(model: pin.Model, j: int) -> str:
-    """Name of the link that joint `j` carries."""
-    for frame in model.frames:
-        if frame.type == pin.FrameType.BODY and frame.parentJoint == j and frame.placement.isIdentity(1e-12):
-            return str(frame.name)
-    return str(model.names[j])
 
 
 def _of_bodies(bodies: Sequence[Moving]) -> list[Finding]:
@@ -165,3 +157,11 @@ def _about_origin(mass: float, centre: Floats, tensor: Floats) -> bool:
     moments = np.linalg.eigvalsh(tensor - added)
     sound = moments[0] >= 0.0 and moments[2] <= moments[0] + moments[1] + 1e-6 * total
     return bool(sound and np.sum(tensor * added) > 0.99 * total * apart and np.trace(tensor - added) < 0.25 * total)
+
+
+def _link_of(model: pin.Model, j: int) -> str:
+    """Name of the link that joint `j` carries."""
+    for frame in model.frames:
+        if frame.type == pin.FrameType.BODY and frame.parentJoint == j and frame.placement.isIdentity(1e-12):
+            return str(frame.name)
+    return str(model.names[j])

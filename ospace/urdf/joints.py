@@ -11,17 +11,15 @@ from ospace.urdf.findings import Finding, found
 
 _LIMITED = ("revolute", "prismatic")
 _TWO_TURNS = 4.0 * math.pi
-UNLIMITED = 1e6
-"""Limits from here on mean "none": degrees are smaller."""
+_UNLIMITED = 1e6  # limits from here on mean "none": degrees are smaller
 
 
 def of_joints(description: Description, *, free_mimic: bool) -> Iterator[Finding]:
     """Look at every joint."""
     for joint in description.joints:
         if joint.kind == "planar" and joint.axis != (0.0, 0.0, 1.0):
-            message = (
-                f"its axis is {' '.join(f'{x:g}' for x in joint.axis)}, and Pinocchio's planar joint knows 0 0 1 only"
-            )
+            axis = " ".join(f"{x:g}" for x in joint.axis)
+            message = f"its axis is {axis}, and Pinocchio's planar joint knows 0 0 1 only"
             yield found("planar-axis", joint.subject, message, line=joint.line)
         if joint.mimic is not None and joint.kind != "fixed":
             yield _mimic(description, joint, joint.mimic, free_mimic=free_mimic)
@@ -45,7 +43,7 @@ def _limits(joint: Joint) -> Iterator[Finding]:
     elif limit.lower == limit.upper:
         message = f"limits {text} leave no room to move"
         yield found("limits-zero", joint.subject, message, line=limit.line, value=text)
-    if joint.kind == "revolute" and any(_TWO_TURNS < abs(x) < UNLIMITED for x in (limit.lower, limit.upper)):
+    if joint.kind == "revolute" and any(_TWO_TURNS < abs(x) < _UNLIMITED for x in (limit.lower, limit.upper)):
         message = f"limits {text} rad are more than two turns from zero: are they in degrees?"
         yield found("units-angle", joint.subject, message, line=limit.line, value=text)
     sizes = {"effort": limit.effort, "velocity": limit.velocity}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
+import sys
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from typing import Literal, cast
@@ -12,9 +13,9 @@ from lxml import etree
 
 from ospace.exceptions import closest
 from ospace.urdf.description import Description, Inertial, Joint, Limit, Link, Mimic, Pose, Shape, Triple
-from ospace.urdf.findings import Finding, any_error, found
+from ospace.urdf.findings import Finding, found
 from ospace.urdf.numbers import LARGEST, NumberError, RangeError, has_space_around, number, numbers
-from ospace.urdf.source import line_of
+from ospace.urdf.source import LEFT_ALONE, line_of
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 AXIS_TOO_SHORT, AXIS_OFF_UNIT = 1e-6, 1e-3
@@ -33,7 +34,6 @@ _IN_JOINT = {
     "mimic": {"joint", "multiplier", "offset"},
     "safety_controller": {"soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"},
 }
-_LEFT_ALONE = {"gazebo", "sensor", "transmission", "ros2_control", "contact"}
 _TOLD = 200  # findings of one kind
 _SLIP = 2  # characters by which a misspelt name may be longer or shorter
 _SEVERAL = {"visual", "collision"}
@@ -55,6 +55,7 @@ class _Reader:
     def __init__(self) -> None:
         self.findings: list[Finding] = []
         self.count: Counter[str] = Counter()
+        self.errors = 0
         self.subject = ""
         self.code = ""
 
@@ -76,10 +77,10 @@ class _Reader:
             missing = " and ".join(f"<{tag}>" for tag in ("mass", "inertia") if element.find(tag) is None)
             self._add(self.code, f"<inertial> has no {missing}", element)
             return None
-        before = len(self.findings)
+        before = self.errors
         tensor = [self._scalar(inertia, key, largest=LARGEST) for key in TENSOR]
         pose, value = self._pose(element), self._scalar(mass, "value", largest=LARGEST)
-        if any_error(self.findings[before:]):
+        if self.errors > before:
             return None
         xx, xy, xz, yy, yz, zz = tensor
         return Inertial(line_of(element), pose, value, (xx, xy, xz, yy, yz, zz))
@@ -87,13 +88,13 @@ class _Reader:
     def _shapes(self, link: etree._Element) -> Iterator[Shape]:
         self.code = "visual-unreadable"
         for element in link.iterchildren("visual", "collision"):
-            before = len(self.findings)
+            before = self.count[self.code]
             if (material := element.find("material")) is not None:
                 self.colour(material, self.subject)
             shape = self._shape(element)
             if shape is not None and shape.kind != "mesh" and min(shape.size) < 0.0:
                 self._add(self.code, f"<{shape.kind}> has a negative size", element, " ".join(map(str, shape.size)))
-            if shape is not None and not any(finding.code == self.code for finding in self.findings[before:]):
+            if shape is not None and self.count[self.code] == before:
                 yield shape
 
     def _shape(self, element: etree._Element) -> Shape | None:
@@ -109,10 +110,11 @@ class _Reader:
         if child.tag == "box":
             return Shape(line, role, pose, "box", self._vector(child, "size", None))
         if child.tag == "sphere":
-            return Shape(line, role, pose, "sphere", (self._scalar(child, "radius"),))
+            return Shape(line, role, pose, "sphere", (self._scalar(child, "radius", largest=LARGEST),))
         if child.tag in ("cylinder", "capsule"):
             kind = cast(Literal["cylinder", "capsule"], child.tag)
-            return Shape(line, role, pose, kind, (self._scalar(child, "radius"), self._scalar(child, "length")))
+            radius, length = (self._scalar(child, key, largest=LARGEST) for key in ("radius", "length"))
+            return Shape(line, role, pose, kind, (radius, length))
         self._add(self.code, f"<{role}> has the unknown shape <{_tag(child)}>", child)
         return None
 
@@ -151,9 +153,9 @@ class _Reader:
         axis = joint.find("axis")
         if axis is None or kind in ("fixed", "floating"):
             return (1.0, 0.0, 0.0)
-        before, text = len(self.findings), axis.get("xyz", "")
+        before, text = self.errors, axis.get("xyz", "")
         given = self._vector(axis, "xyz", None)
-        if any_error(self.findings[before:]):
+        if self.errors > before:
             return given
         length = math.hypot(*given)
         if length < AXIS_TOO_SHORT:
@@ -171,7 +173,7 @@ class _Reader:
         if kind == "continuous":
             lower, upper = -math.inf, math.inf
         effort, velocity = (self._scalar(limit, key, math.inf) for key in ("effort", "velocity"))
-        return Limit(line_of(limit), lower, upper, effort, velocity)
+        return Limit(line_of(limit), *map(_or_none, (lower, upper, effort, velocity)))
 
     def _dynamics(self, joint: etree._Element) -> tuple[float, float]:
         dynamics = joint.find("dynamics")
@@ -241,7 +243,7 @@ class _Reader:
         seen: set[str] = set()
         for child in element.iterchildren(etree.Element):
             tag = _tag(child)
-            if tag.startswith("{") or tag in _LEFT_ALONE:
+            if tag.startswith("{") or tag in LEFT_ALONE:
                 continue
             if tag not in known:
                 self._unknown(
@@ -271,17 +273,22 @@ class _Reader:
         value: str | None = None,
         severity: Literal["info"] | None = None,
     ) -> None:
+        finding = found(code, self.subject, message, line=line_of(element), value=value, severity=severity)
+        self.errors += finding.severity == "error"
         self.count[code] += 1
         if self.count[code] <= _TOLD:
-            self.findings.append(
-                found(code, self.subject, message, line=line_of(element), value=value, severity=severity)
-            )
+            self.findings.append(finding)
 
     def untold(self) -> Iterator[Finding]:
         """Say how many findings of a kind are left out."""
         for code, count in self.count.items():
             if count > _TOLD:
                 yield found(code, "file", f"{count - _TOLD} more of this kind are not told")
+
+
+def _or_none(limit: float) -> float:
+    """Take the largest number there is for no limit, as Pinocchio does."""
+    return math.copysign(math.inf, limit) if abs(limit) == sys.float_info.max else limit
 
 
 def _tag(element: etree._Element) -> str:

@@ -15,7 +15,10 @@ from lxml import etree
 from ospace.exceptions import UrdfError
 
 _XACRO = "http://www.ros.org/wiki/xacro"
+LEFT_ALONE = {"gazebo", "sensor", "transmission", "ros2_control", "contact"}
+"""Elements of other programs, which may hold anything."""
 _LAST_LINE = 65535  # libxml2 counts no further
+_UNEXPANDED = "is an unexpanded xacro: expand it first (xacro robot.xacro > robot.urdf)"
 _FORMATS = {
     "sdf": "an SDF file",
     "mujoco": "an MJCF file of MuJoCo",
@@ -195,14 +198,12 @@ class _Scan:
         self.depth -= 1
 
 
-_UNEXPANDED = "is an unexpanded xacro: expand it first (xacro robot.xacro > robot.urdf)"
-
-
 def check_format(path: Path, root: etree._Element) -> None:
     """Raise `UrdfError` where the tree is no URDF, naming what it is instead."""
     if root.tag != "robot":
         raise UrdfError(path, _not_urdf(etree.QName(root).localname), "not-urdf", line_of(root))
-    for element in root.iter(etree.Element):
+    parts = [part for part in root.iterchildren(etree.Element) if part.tag not in LEFT_ALONE]
+    for element in [root, *(element for part in parts for element in part.iter(etree.Element))]:
         if element is not root and element.tag == "robot":
             raise UrdfError(path, "a <robot> stands inside <robot>: keep one", "second-robot", line_of(element))
         unexpanded = any(re.search(r"\$[{(]", value) for value in element.attrib.values() if "$" in value)

@@ -139,6 +139,19 @@ variant("blank name", ARM.replace('"made"', '" "'), 2, "no-robot-name")
 variant(
     "extensions", ARM.replace("</robot>", "<gazebo><link/><joint/></gazebo><transmission/><ros2_control/></robot>"), 0
 )
+variant("xacro in an extension", ARM.replace("</robot>", '<gazebo a="${x}"><robot/></gazebo></robot>'), 0)
+variant(
+    "sphere of 1e200 m",
+    ARM.replace("</link>", '<visual><geometry><sphere radius="1e200"/></geometry></visual></link>', 1),
+    0,
+    "visual-unreadable",
+)
+variant(
+    "largest numbers for no limits",
+    ARM.replace('"10"', '"1.7976931348623157e308"').replace('upper="1"', 'upper="1.7976931348623157e+308"'),
+    0,
+    "effort-missing",
+)
 variant("sensor in a link", ARM.replace("</link>", '<sensor name="s"><link/></sensor></link>'), 0)
 
 # -- structure ---------------------------------------------------------------------------------------------------

@@ -18,7 +18,27 @@ from urdf.corpus import VARIANTS
 import ospace
 from ospace.dynamics.dense import Dense
 
-NUMBERS = ["0", "-1", "1e-300", "1e400", "nan", "inf", "0x1", "1,5", " 2 ", "1e12", "-1e12", "1e-12", "", "3.", "1e9"]
+NUMBERS = [
+    "0",
+    "-1",
+    "1e-300",
+    "1e400",
+    "nan",
+    "inf",
+    "0x1",
+    "1,5",
+    " 2 ",
+    "1e12",
+    "-1e12",
+    "1e-12",
+    "",
+    "3.",
+    "1e9",
+    "1e200",
+    "-1e308",
+    "5e-324",
+    "1.7976931348623157e308",
+]
 WORDS = ["base", "arm", "hand", "hinge", "world", "fixed", "floating", "planar", "continuous", "prismatic", "", "\n"]
 TAGS = [
     "<link/>",
