@@ -38,7 +38,7 @@ class SpaceRobot:
         Pinocchio's model; joint 1 is the free-flyer, gravity is zero.
     name : str
     findings : tuple of Finding
-        What is odd about it: warnings only, a robot with errors is refused.
+        What is odd about it: warnings and infos, as a robot with errors is refused.
     source : Path or None
         The URDF it was read from.
     description : Description or None

@@ -72,7 +72,7 @@ def _of_point(point: OperationalPoint, values: Sequence[Floats], states: str) ->
     yield found(
         "dynamic-singularity",
         subject,
-        f"smallest singular value of J* over the largest {states}: {nearest:.4g}",
+        f"σ_min/σ_max of J* is at least {nearest:.4g} {states}",
         severity="warning" if nearest < _NEAREST else None,
         value=f"{nearest:.4g}",
     )

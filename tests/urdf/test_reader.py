@@ -7,6 +7,7 @@ import gzip
 import lzma
 import os
 import signal
+import time
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from hypothesis import strategies as st
 from urdf import corpus, fuzz
 
 import ospace
+from ospace.urdf import source
 
 INERTIAL = (
     '<inertial><origin xyz="0 0 0.1"/><mass value="2"/>'
@@ -120,6 +122,17 @@ def test_a_file_that_may_not_be_read(file, capfd):
     file.write_text(ONE_ARM)
     file.chmod(0)
     refuse(file, capfd, "cannot be read")
+
+
+def test_a_file_that_no_one_may_read(file, capfd, monkeypatch):
+    """As above, for root too."""
+    file.write_text(ONE_ARM)
+
+    def refuse_to_open(path, flags):
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr(source.os, "open", refuse_to_open)
+    refuse(file, capfd, "cannot be read.*Permission denied.*unreadable-file")
 
 
 def test_a_path_with_a_zero_byte(tmp_path, capfd):
@@ -454,6 +467,16 @@ def test_no_descriptor_leaks(file):
         with pytest.raises(ospace.UrdfError):
             ospace.SpaceRobot.from_urdf(bad)
     assert len(os.listdir("/proc/self/fd")) == before
+
+
+def test_good_files_are_read_fast():
+    file = ospace.models.path("chaser_24dof")
+    seconds = []
+    for _ in range(5):
+        before = time.perf_counter()
+        ospace.SpaceRobot.from_urdf(file)
+        seconds.append(time.perf_counter() - before)
+    assert min(seconds) < 0.05
 
 
 # -- anything at all ---------------------------------------------------------------------------------------------
