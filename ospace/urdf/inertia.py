@@ -14,8 +14,10 @@ from ospace.urdf.codes import Severity
 from ospace.urdf.description import Link
 from ospace.urdf.findings import Finding, any_error, found
 
-ROUNDING, ROUNDED = 1e-9, 1e-4
-"""Violations, as shares of the largest moment: below the first they are none, below the second digits were lost."""
+ROUNDED = 1e-4
+"""Share of the largest moment up to which a violation is one of digits that were lost."""
+_ROUNDING = 1e-9  # of the middle moment
+_GROSS = 1.0 - 1e-6  # of the largest moment: the digits of the other two are lost in it
 _POINT_LIKE = 1e-12  # radius of gyration squared, m²: below it a tensor is rounding around a point mass
 
 
@@ -130,22 +132,38 @@ def _of_tensor(
     if mass < 0.0:
         message = f"mass {mass:.6g} kg is negative"
         return [found("negative-mass", subject, message, line=line, value=repr(mass))]
-    smallest, middle, largest = np.linalg.eigvalsh(tensor)
-    rounding = ROUNDING * abs(largest) + _POINT_LIKE * mass
-    if smallest < -rounding:
-        message = f"rotational inertia about the centre of mass has the negative principal moment {smallest:.6g} kg m²"
+    code, share = judge(mass, tensor)
+    if not code:
+        return []
+    moments = np.linalg.eigvalsh(tensor)
+    if code == "inertia-indefinite":
+        message = f"its tensor about the centre of mass has the negative principal moment {moments[0]:.6g} kg m²"
         severity: Severity = "warning" if merged else "error"
-        value = f"{smallest:.6g}"
-        return [found("inertia-indefinite", subject, message, severity=severity, line=line, value=value)]
+        return [found(code, subject, message, severity=severity, line=line, value=f"{moments[0]:.6g}")]
+    named = ", ".join(f"{moment:.6g}" for moment in moments)
+    message = (
+        f"principal moments {named} kg m² violate the triangle inequality by {share:.2g} of the largest: "
+        f"no distribution of mass has them"
+    )
+    severity = "error" if share > _GROSS and not merged else "warning"
+    return [found(code, subject, message, severity=severity, line=line, value=f"{moments[2]:.6g}")]
+
+
+def judge(mass: float, tensor: Floats) -> tuple[str, float]:
+    """Return the code of what is wrong with a tensor, "" for nothing, and by what share of its largest moment.
+
+    Two of the moments of a body sum up to the third at least. So rounding is measured by the middle one: beside a
+    largest moment that dwarfs the others, a negative one may still be no rounding.
+    """
+    smallest, middle, largest = np.linalg.eigvalsh(tensor)
+    rounding = _ROUNDING * abs(middle) + _POINT_LIKE * mass
     excess = largest - smallest - middle
+    if smallest < -rounding:
+        return "inertia-indefinite", float(max(-smallest, excess) / largest) if largest > 0.0 else np.inf
     if excess > rounding:
-        message = (
-            f"principal moments {smallest:.6g}, {middle:.6g}, {largest:.6g} kg m² violate the triangle inequality "
-            f"by {excess / largest:.2g} of the largest: no distribution of mass has them"
-        )
-        code = "inertia-rounding" if excess <= ROUNDED * largest else "inertia-triangle"
-        return [found(code, subject, message, line=line, value=f"{largest:.6g}")]
-    return []
+        share = float(excess / largest)
+        return "inertia-rounding" if share <= ROUNDED else "inertia-triangle", share
+    return "", 0.0
 
 
 def _about_origin(mass: float, centre: Floats, tensor: Floats) -> bool:

@@ -48,7 +48,6 @@ def _limits(joint: Joint) -> Iterator[Finding]:
         yield found("units-angle", joint.subject, message, line=limit.line, value=text)
     sizes = {"effort": limit.effort, "velocity": limit.velocity}
     for code, what, named in (
-        ("effort-missing", "is missing, read as unlimited", [name for name in sizes if sizes[name] == math.inf]),
         ("effort-zero", "is zero", [name for name in sizes if sizes[name] == 0.0]),
         ("effort-negative", "is negative", [name for name in sizes if sizes[name] < 0.0]),
     ):

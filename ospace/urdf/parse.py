@@ -172,6 +172,9 @@ class _Reader:
         lower, upper = self._scalar(limit, "lower", 0.0), self._scalar(limit, "upper", 0.0)
         if kind == "continuous":
             lower, upper = -math.inf, math.inf
+        missing = [key for key in ("effort", "velocity") if key not in limit.attrib]
+        if missing:
+            self._add("effort-missing", f"<limit> has no {' and no '.join(missing)}, read as unlimited", limit)
         effort, velocity = (self._scalar(limit, key, math.inf) for key in ("effort", "velocity"))
         return Limit(line_of(limit), *map(_or_none, (lower, upper, effort, velocity)))
 

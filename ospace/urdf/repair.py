@@ -21,7 +21,7 @@ from lxml import etree
 from ospace.exceptions import OspaceError
 from ospace.kernels.tables import Floats
 from ospace.urdf import source
-from ospace.urdf.inertia import ROUNDED, ROUNDING
+from ospace.urdf.inertia import ROUNDED, judge
 from ospace.urdf.numbers import NumberError, has_space_around, numbers
 from ospace.urdf.parse import AXIS_OFF_UNIT, AXIS_TOO_SHORT, TENSOR
 from ospace.urdf.source import Limits, line_of
@@ -137,22 +137,21 @@ def _limits(root: etree._Element) -> Iterator[tuple[_Edit, Change]]:
 
 
 def _tensors(root: etree._Element) -> Iterator[tuple[_Edit, Change]]:
-    for element in root.iterfind("link/inertial/inertia"):
-        read = [_read(element.get(key, ""), 1) for key in TENSOR]
-        given = [value[0] for value in read if value is not None]
-        if len(given) < len(TENSOR):
+    for inertial in root.iterfind("link/inertial"):
+        element, mass = inertial.find("inertia"), inertial.find("mass")
+        if element is None or mass is None:
             continue
-        xx, xy, xz, yy, yz, zz = given
+        read = [_read(element.get(key, ""), 1) for key in TENSOR] + [_read(mass.get("value", ""), 1)]
+        given = [value[0] for value in read if value is not None]
+        if len(given) < len(read) or given[-1] < 0.0:
+            continue
+        xx, xy, xz, yy, yz, zz, kilograms = given
         tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        smallest, middle, largest = np.linalg.eigvalsh(tensor)
-        violation = max(-smallest, largest - smallest - middle)
-        if ROUNDING * largest < violation <= ROUNDED * largest:
-            nearest = _nearest(tensor)[np.triu_indices(3)].tolist()
-            texts = {key: _plain(value) for key, value in zip(TENSOR, nearest, strict=True)}
-            changed = {
-                key: text for (key, text), value, old in zip(texts.items(), nearest, given, strict=True) if value != old
-            }
-            code = "inertia-indefinite" if smallest < -ROUNDING * largest else "inertia-rounding"
+        code, share = judge(kilograms, tensor)
+        if code and share <= ROUNDED:
+            nearest = dict(zip(TENSOR, _nearest(tensor)[np.triu_indices(3)].tolist(), strict=True))
+            now = dict(zip(TENSOR, given, strict=False))
+            changed = {key: _plain(nearest[key]) for key in TENSOR if nearest[key] != now[key]}
             what = ", ".join(f"{key} '{element.get(key)}' becomes '{text}'" for key, text in changed.items())
             yield _Edit(element, changed), _change(code, element, what)
 

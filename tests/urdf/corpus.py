@@ -150,7 +150,6 @@ variant(
     "largest numbers for no limits",
     ARM.replace('"10"', '"1.7976931348623157e308"').replace('upper="1"', 'upper="1.7976931348623157e+308"'),
     0,
-    "effort-missing",
 )
 variant("sensor in a link", ARM.replace("</link>", '<sensor name="s"><link/></sensor></link>'), 0)
 
@@ -360,6 +359,20 @@ variant(
     "inertia-indefinite",
 )
 variant("triangle", with_arm(inertial(moments=("0.02", "0.02", "0.05"))), 0, "inertia-triangle")
+variant(
+    "negative moment beside one that dwarfs it",
+    with_arm(inertial(moments=("1e9", "0.03", "0.04"), products=("0", "0", "0.1"))),
+    1,
+    "inertia-indefinite",
+    "units-inertia",
+)
+variant(
+    "moment that dwarfs the others",
+    with_arm(inertial(moments=("1e5", "0.03", "0.04"))),
+    1,
+    "inertia-triangle",
+    "units-inertia",
+)
 variant("triangle at rounding level", with_arm(inertial(moments=("0.02", "0.02", "0.0400001"))), 0, "inertia-rounding")
 variant("triangle to the last digit", with_arm(inertial(moments=("0.02", "0.02", "0.04"))), 0)
 variant("identity", with_arm(inertial(moments=("1", "1", "1"))), 0, "inertia-identity")

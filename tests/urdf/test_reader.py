@@ -9,6 +9,7 @@ import os
 import signal
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -131,7 +132,7 @@ def test_a_file_that_no_one_may_read(file, capfd, monkeypatch):
     def refuse_to_open(path, flags):
         raise PermissionError(13, "Permission denied", str(path))
 
-    monkeypatch.setattr(source.os, "open", refuse_to_open)
+    monkeypatch.setattr(source, "os", SimpleNamespace(**{**vars(os), "open": refuse_to_open}))
     refuse(file, capfd, "cannot be read.*Permission denied.*unreadable-file")
 
 

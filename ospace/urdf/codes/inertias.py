@@ -56,7 +56,7 @@ INERTIAS = (
     Code(
         name="inertia-indefinite",
         severity="error",
-        summary="The tensor about the centre of mass has a negative principal moment, beyond 1e-9 of the largest. A "
+        summary="The tensor about the centre of mass has a negative principal moment, beyond 1e-9 of the middle one. A "
         "warning where a fixed joint merges the link into a body that is sound.",
         reason="H is indefinite in some configuration: kinetic energy could be negative.",
         remedy="Correct the tensor: it belongs about the centre of mass, in the axes of the <inertial> origin, with "
@@ -67,7 +67,8 @@ INERTIAS = (
     Code(
         name="inertia-triangle",
         severity="warning",
-        summary="One principal moment exceeds the sum of the other two by more than 1e-4 of it.",
+        summary="One principal moment exceeds the sum of the other two by more than 1e-4 of it. An error where it is "
+        "more than a million times that sum, in which the digits of the others are lost.",
         reason="No distribution of mass has such a tensor. The equations can be solved, for a body that cannot exist.",
         remedy="Correct the tensor: look for a swapped row, a wrong unit, or a tensor about another point.",
         example='<inertia ixx="1" iyy="1" izz="3" ixy="0" ixz="0" iyz="0"/>',
