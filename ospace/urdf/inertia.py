@@ -16,9 +16,9 @@ from ospace.urdf.findings import Finding, any_error, found
 
 ROUNDED = 1e-4
 """Share of the largest moment up to which a violation is one of digits that were lost."""
-_ROUNDING = 1e-9  # of the middle moment
+_ROUNDING, _POINT_LIKE = 1e-9, 1e-12  # of the middle moment; of m², radius of gyration squared around a point mass
+_NEGATIVE, _POINT_NEGATIVE = 1e-13, 1e-16  # the same for negative moments, which no digit that is lost excuses
 _GROSS = 1.0 - 1e-6  # of the largest moment: the digits of the other two are lost in it
-_POINT_LIKE = 1e-12  # radius of gyration squared, m²: below it a tensor is rounding around a point mass
 
 
 @dataclass(frozen=True)
@@ -156,11 +156,10 @@ def judge(mass: float, tensor: Floats) -> tuple[str, float]:
     largest moment that dwarfs the others, a negative one may still be no rounding.
     """
     smallest, middle, largest = np.linalg.eigvalsh(tensor)
-    rounding = _ROUNDING * abs(middle) + _POINT_LIKE * mass
     excess = largest - smallest - middle
-    if smallest < -rounding:
+    if smallest < -(_NEGATIVE * abs(middle) + _POINT_NEGATIVE * mass):
         return "inertia-indefinite", float(max(-smallest, excess) / largest) if largest > 0.0 else np.inf
-    if excess > rounding:
+    if excess > _ROUNDING * abs(middle) + _POINT_LIKE * mass:
         share = float(excess / largest)
         return "inertia-rounding" if share <= ROUNDED else "inertia-triangle", share
     return "", 0.0

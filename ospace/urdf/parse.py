@@ -14,7 +14,7 @@ from lxml import etree
 from ospace.exceptions import closest
 from ospace.urdf.description import Description, Inertial, Joint, Limit, Link, Mimic, Pose, Shape, Triple
 from ospace.urdf.findings import Finding, found
-from ospace.urdf.numbers import LARGEST, NumberError, RangeError, has_space_around, number, numbers
+from ospace.urdf.numbers import LARGEST, LIGHTEST, SMALLEST, NumberError, RangeError, has_space_around, number, numbers
 from ospace.urdf.source import LEFT_ALONE, line_of
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
@@ -78,8 +78,8 @@ class _Reader:
             self._add(self.code, f"<inertial> has no {missing}", element)
             return None
         before = self.errors
-        tensor = [self._scalar(inertia, key, largest=LARGEST) for key in TENSOR]
-        pose, value = self._pose(element), self._scalar(mass, "value", largest=LARGEST)
+        tensor = [self._scalar(inertia, key, largest=LARGEST, smallest=SMALLEST) for key in TENSOR]
+        pose, value = self._pose(element), self._scalar(mass, "value", largest=LARGEST, smallest=LIGHTEST)
         if self.errors > before:
             return None
         xx, xy, xz, yy, yz, zz = tensor
@@ -200,7 +200,13 @@ class _Reader:
         return Pose(self._vector(origin, "xyz", (0.0, 0.0, 0.0)), self._vector(origin, "rpy", (0.0, 0.0, 0.0)))
 
     def _scalar(
-        self, element: etree._Element, key: str, default: float | None = None, largest: float = math.inf
+        self,
+        element: etree._Element,
+        key: str,
+        default: float | None = None,
+        *,
+        largest: float = math.inf,
+        smallest: float = 0.0,
     ) -> float:
         text = element.get(key)
         if text is None:
@@ -211,7 +217,7 @@ class _Reader:
             message = f"{key}='{text}' of <{_tag(element)}> has white space around the number"
             self._add("number-spaces", message, element, text)
         try:
-            return number(text, largest)
+            return number(text, largest, smallest)
         except NumberError as error:
             self._unreadable(element, key, text, error)
             return math.nan  # which compares with nothing, so that nothing more is found of it
@@ -231,7 +237,7 @@ class _Reader:
             message = f"{key}='{text}' of <{_tag(element)}> has white space around the numbers"
             self._add("number-spaces", message, element, text, "info")
         try:
-            return numbers(text, count, LARGEST)
+            return numbers(text, count, LARGEST, SMALLEST)
         except NumberError as error:
             self._unreadable(element, key, text, error)
             return (0.0,) * count

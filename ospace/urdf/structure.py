@@ -89,21 +89,19 @@ def with_floating_base(description: Description) -> tuple[Description, list[Find
     """
     root = description.link[description.root]
     joints = [joint for joint in description.joints if joint.parent == root.name]
-    if len(joints) != 1:
+    bolted = next((joint for joint in joints if joint.kind == "fixed"), None)
+    if root.name == _WORLD and bolted is not None:
+        message = f"'{bolted.child}' is fixed to the world in the file; here it floats"
+        return description, [found("fixed-base", bolted.subject, message, line=bolted.line)]
+    if root.inertial is not None or [joint.kind for joint in joints] != ["floating"]:
         return description, []
-    (joint,) = joints
-    if joint.kind == "floating" and root.inertial is None:
-        message = f"floats on the massless root {root.subject}: taken as the base's own six degrees of freedom"
-        inner = replace(
-            description,
-            links=tuple(link for link in description.links if link is not root),
-            joints=tuple(one for one in description.joints if one is not joint),
-        )
-        return inner, [found("floating-root", joint.subject, message, line=joint.line)]
-    if joint.kind == "fixed" and root.name == _WORLD:
-        message = f"'{joint.child}' is fixed to the world in the file; here it floats"
-        return description, [found("fixed-base", joint.subject, message, line=joint.line)]
-    return description, []
+    message = f"floats on the massless root {root.subject}: taken as the base's own six degrees of freedom"
+    inner = replace(
+        description,
+        links=tuple(link for link in description.links if link is not root),
+        joints=tuple(joint for joint in description.joints if joint is not joints[0]),
+    )
+    return inner, [found("floating-root", joints[0].subject, message, line=joints[0].line)]
 
 
 def _check_names(path: Path, what: str, parts: Iterable[Link] | Iterable[Joint]) -> None:

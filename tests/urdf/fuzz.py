@@ -143,7 +143,7 @@ def verdict(file: Path, rng: np.random.Generator) -> str:
         diagonal = np.diag(H)
         assert (diagonal >= -TOLERANCE * np.abs(H).max()).all(), "H has a negative diagonal"
         scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
-        smallest = np.linalg.eigvalsh(H * np.outer(scale, scale))[0]
+        smallest = np.linalg.eigvalsh(scale[:, None] * H * scale)[0]
         assert smallest >= -TOLERANCE * len(H), f"H is indefinite: {smallest}"
     return "robot"
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
-from urdf.corpus import ARM, AXIS, HAND, LIMIT, inertial, joint, link, robot
+from urdf.corpus.parts import ARM, AXIS, HAND, LIMIT, inertial, joint, link, robot
 
 import ospace
 from ospace.urdf import bodies, build, parity, parse, reader, source, structure

@@ -15,10 +15,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from urdf import corpus, fuzz
+from urdf import fuzz
+from urdf.corpus import parts as made
 
 import ospace
-from ospace.urdf import source
+from ospace.urdf import source, structure
 
 INERTIAL = (
     '<inertial><origin xyz="0 0 0.1"/><mass value="2"/>'
@@ -396,6 +397,32 @@ def test_an_inertial_that_cannot_be_read_is_no_inertial_left_out(file, capfd, br
     assert capfd.readouterr() == ("", "")
 
 
+def test_limits_can_be_raised(file):
+    parts = [link("l0"), *(link(f"l{k}", "") + joint(f"j{k}", "fixed", "l0", f"l{k}", "") for k in range(1, 2100))]
+    file.write_text(robot(*parts))
+    with pytest.raises(ospace.UrdfError, match="more than 2000 links"):
+        ospace.SpaceRobot.from_urdf(file)
+    assert ospace.SpaceRobot.from_urdf(file, limits=ospace.Limits(links=2100)).nv == 6
+
+
+def test_a_chain_is_never_longer_than_the_stack(file):
+    parts = [
+        link("l0"),
+        *(link(f"l{k}", "") + joint(f"j{k}", "fixed", f"l{k - 1}", f"l{k}", "") for k in range(1, 9000)),
+    ]
+    file.write_text(robot(*parts))
+    with pytest.raises(ospace.UrdfError, match="chain of more than 2000 joints"):
+        ospace.SpaceRobot.from_urdf(file, limits=ospace.Limits(links=10_000))
+
+
+def test_memory_is_never_taken_that_is_not_there(file, monkeypatch):
+    file.write_text(ONE_ARM)
+    monkeypatch.setattr(structure, "os", SimpleNamespace(sysconf=lambda name: 100))
+    with pytest.raises(ospace.UrdfError, match=r"7 degrees of freedom: Pinocchio takes 2.2e.04 bytes") as caught:
+        ospace.SpaceRobot.from_urdf(file, limits=ospace.Limits(dof=1000))
+    assert caught.value.code == "too-many-dof"
+
+
 # -- what is read all the same -----------------------------------------------------------------------------------
 
 
@@ -553,7 +580,7 @@ numbers = (
 )
 triples = st.tuples(numbers, numbers, numbers)
 any_inertial = st.builds(
-    lambda mass, moments, products, origin: corpus.inertial(mass, moments, products, " ".join(origin)),
+    lambda mass, moments, products, origin: made.inertial(mass, moments, products, " ".join(origin)),
     numbers,
     triples,
     triples,
@@ -565,7 +592,7 @@ any_inertial = st.builds(
 @given(base=any_inertial, arm=any_inertial, axis=triples, origin=triples, kind=kinds)
 def test_any_numbers(folder, base, arm, axis, origin, kind):
     more = f'<axis xyz="{" ".join(axis)}"/>' + LIMIT
-    parts = link("base", base), link("arm", arm), corpus.joint(kind=kind, more=more, origin=" ".join(origin))
+    parts = link("base", base), link("arm", arm), made.joint(kind=kind, more=more, origin=" ".join(origin))
     answer(folder, robot(*parts).encode())
 
 
@@ -583,9 +610,9 @@ moments = st.tuples(*[st.floats(-1e-9, 1.0).map(repr)] * 3)
 )
 def test_any_numbers_of_a_usual_size(folder, inertials, joints, axes):
     zero = ("0", "0", "0")
-    links = [link(f"l{k}", corpus.inertial(m, i, zero, " ".join(c))) for k, (m, i, c) in enumerate(inertials)]
+    links = [link(f"l{k}", made.inertial(m, i, zero, " ".join(c))) for k, (m, i, c) in enumerate(inertials)]
     hinges = [
-        corpus.joint(f"j{k}", kind, f"l{k}", f"l{k + 1}", f'<axis xyz="{" ".join(axis)}"/>' + LIMIT)
+        made.joint(f"j{k}", kind, f"l{k}", f"l{k + 1}", f'<axis xyz="{" ".join(axis)}"/>' + LIMIT)
         for k, (kind, axis) in enumerate(zip(joints, axes, strict=True))
     ]
     answer(folder, robot(*links, *hinges).encode())

@@ -7,7 +7,8 @@ import re
 
 import numpy as np
 import pytest
-from urdf.corpus import ARM, AXIS, LIMIT, VARIANTS, inertial, joint, link, robot
+from urdf.corpus import VARIANTS
+from urdf.corpus.parts import ARM, AXIS, LIMIT, inertial, joint, link, robot
 
 import ospace
 from ospace.cli.main import main

@@ -56,7 +56,8 @@ INERTIAS = (
     Code(
         name="inertia-indefinite",
         severity="error",
-        summary="The tensor about the centre of mass has a negative principal moment, beyond 1e-9 of the middle one. A "
+        summary="The tensor about the centre of mass has a negative principal moment, beyond rounding (1e-13 of the "
+        "middle one). A "
         "warning where a fixed joint merges the link into a body that is sound.",
         reason="H is indefinite in some configuration: kinetic energy could be negative.",
         remedy="Correct the tensor: it belongs about the centre of mass, in the axes of the <inertial> origin, with "

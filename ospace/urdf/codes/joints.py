@@ -141,8 +141,8 @@ JOINTS = (
         name="floating-root",
         severity="info",
         summary="The file has a floating joint of its own between a massless root link and the base.",
-        reason="It is taken as the base's six degrees of freedom. Doubled, H would be singular. The root link is "
-        "left out.",
+        reason="It is taken as the base's six degrees of freedom. Doubled, H would be singular. The root link and the "
+        "origin of the joint are left out.",
         remedy="Nothing.",
         example='<link name="world"/> and a floating joint to the base',
     ),

@@ -25,11 +25,12 @@ VALUES = (
     Code(
         name="number-range",
         severity="error",
-        summary="A mass, length or inertia has a size of more than 1e12, or a number is so small that it reads as "
-        "zero.",
+        summary="A mass, length or inertia has a size of more than 1e12, or is not zero and smaller than 1e-100 (a "
+        "mass: "
+        "1e-20).",
         reason="Products of such numbers leave the range of floating point: inertias become infinite or lose all "
         "digits.",
-        remedy="Use kg, m and kg m². 1e12 kg is a mountain.",
+        remedy="Use kg, m and kg m², and write 0 for nothing. 1e12 kg is a mountain, 1e-20 kg a virus.",
         example='<mass value="1e300"/>',
     ),
     Code(
