@@ -46,8 +46,8 @@ def page() -> str:
         parts.append(f"\n## {title}\n")
         for code in codes:
             parts.append(
-                f"\n### `{code.name}`\n\n*{_level(code)}.* {code.summary}\n\n    {code.example}\n\n"
-                f"**Reason.** {code.reason}\n\n**Remedy.** {code.remedy}\n"
+                f"\n### `{code.name}`\n\n*{_level(code)}.* {_escaped(code.summary)}\n\n    {code.example}\n\n"
+                f"**Reason.** {_escaped(code.reason)}\n\n**Remedy.** {_escaped(code.remedy)}\n"
             )
     return "".join(parts)
 
@@ -55,3 +55,8 @@ def page() -> str:
 def _level(code: Code) -> str:
     level = "refused" if code.unreadable else code.severity
     return f"{level}, repaired by --fix" if code.fixable else level
+
+
+def _escaped(text: str) -> str:
+    """Keep Markdown from taking elements for HTML and J* for emphasis."""
+    return text.replace("<", "\\<").replace("*", "\\*")
