@@ -501,9 +501,9 @@ def test_good_files_are_read_fast():
     file = ospace.models.path("chaser_24dof")
     seconds = []
     for _ in range(5):
-        before = time.perf_counter()
+        before = time.process_time()
         ospace.SpaceRobot.from_urdf(file)
-        seconds.append(time.perf_counter() - before)
+        seconds.append(time.process_time() - before)
     assert min(seconds) < 0.05
 
 
