@@ -82,7 +82,10 @@ def content_of(path: Path, limits: Limits) -> bytes:
             status = os.fstat(descriptor)
             if not stat.S_ISREG(status.st_mode):
                 raise UrdfError(path, "is not a regular file: give a URDF file", "no-regular-file")
-            content = file.read(limits.bytes + 1) if status.st_size <= limits.bytes else None
+            if status.st_size > limits.bytes:
+                reason = f"has {status.st_size} bytes; at most {limits.bytes} are read"
+                raise UrdfError(path, reason, "too-large")
+            content = file.read(status.st_size)
     except FileNotFoundError:
         raise UrdfError(path, "no such file", "no-file") from None
     except IsADirectoryError:
@@ -91,9 +94,6 @@ def content_of(path: Path, limits: Limits) -> bytes:
         if os.path.exists(path) and not os.path.isfile(path):  # a socket or a device, which cannot even be opened
             raise UrdfError(path, "is not a regular file: give a URDF file", "no-regular-file") from None
         raise UrdfError(path, f"cannot be read: {error}", "unreadable-file") from None
-    if content is None or len(content) > limits.bytes:
-        size = status.st_size if content is None else len(content)
-        raise UrdfError(path, f"has {size} bytes; at most {limits.bytes} are read", "too-large")
     _check_text(path, content)
     return content
 
