@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from ospace.exceptions import UrdfError
+from ospace.joint_axis import joint_axis
 from ospace.kernels.tables import Floats
 from ospace.urdf.bodies import Body
 from ospace.urdf.description import Joint
@@ -85,7 +86,7 @@ def _of_joint(joint: Joint, model: pin.Model, j: int) -> Iterator[str]:
         return
     if joint.kind in ("planar", "floating"):
         return
-    axis = _axis(model.joints[j])
+    axis = joint_axis(model.joints[j])
     if not _near(np.array(joint.axis), axis, 1.0):
         yield f"axis {axis} of {joint.subject} instead of {joint.axis}"
     q, v = model.idx_qs[j], model.idx_vs[j]
@@ -99,16 +100,6 @@ def _of_joint(joint: Joint, model: pin.Model, j: int) -> Iterator[str]:
     for name, (there, meant) in wanted.items():
         if there != meant:
             yield f"{name} {there} of {joint.subject} instead of {meant}"
-
-
-def _axis(joint: pin.JointModel) -> Floats:
-    """Return the axis of a joint of one degree of freedom, in its own frame: its column at zero."""
-    data = joint.createData()
-    q = np.zeros(joint.idx_q + joint.nq)
-    q[joint.idx_q] = 1.0 if joint.nq == 2 else 0.0
-    joint.calc(data, q)
-    column = np.asarray(data.S).ravel()
-    return np.asarray(column[:3] + column[3:])  # one of the two is zero
 
 
 def _near(wanted: Floats | float, there: Floats | float, scale: float) -> bool:
