@@ -53,12 +53,13 @@ def _by_qpsolvers(program: Program, name: str) -> Floats | None:
     import qpsolvers
 
     rows = np.vstack([np.eye(len(program.f)), program.C])
-    above, below = program.upper < UNLIMITED, program.lower > -UNLIMITED
+    equal = program.upper <= program.lower  # as two inequalities, some solvers would find these contradictory
+    above, below = ~equal & (program.upper < UNLIMITED), ~equal & (program.lower > -UNLIMITED)
     G = np.vstack([rows[above], -rows[below]])
     h = np.concatenate([program.upper[above], -program.lower[below]])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # on formats, and on problems without a solution, which is told here
-        problem = qpsolvers.Problem(program.H, program.f, G, h)
+        problem = qpsolvers.Problem(program.H, program.f, G, h, rows[equal], program.upper[equal])
         try:
             found = qpsolvers.solve_problem(problem, name)
         except (qpsolvers.exceptions.QPError, ValueError):
