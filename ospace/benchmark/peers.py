@@ -59,10 +59,12 @@ class Pinocchio:
     def __init__(self, robot: SpaceRobot, points: Sequence[OperationalPoint]) -> None:
         self.robot, self.points, self.model, self.data = robot, points, robot.model, robot.model.createData()
         frame, kind = pin.ReferenceFrame.LOCAL, pin.ContactType.CONTACT_6D
-        self.constraints = [
-            pin.RigidConstraintModel(kind, robot.model, point.joint, point.placement, frame) for point in points
-        ]
-        self.constraint_data = [constraint.createData() for constraint in self.constraints]
+        # Pinocchio's own vectors: the bindings would copy lists at every call, which takes longer than EFPA
+        self.constraints, self.constraint_data = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
+        for point in points:
+            one = pin.RigidConstraintModel(kind, robot.model, point.joint, point.placement, frame)
+            self.constraints.append(one)
+            self.constraint_data.append(one.createData())
         self.no_torque = np.zeros(robot.nv)
 
     def delassus(self, q: Floats, v: Floats) -> Floats:

@@ -7,29 +7,39 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+_COMPILING = "compiling kernels, once for this machine (seconds each)"
+
 
 @contextmanager
 def bar(given: argparse.Namespace, what: str, total: int) -> Iterator[Callable[[int], None]]:
     """Yield what takes how much of `total` is done, and raises if the user has interrupted.
 
-    Says once for a machine that kernels are being compiled, in a pipe too.
+    Says when kernels are being compiled, in a pipe too.
     """
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     from ospace.kernels import cache
 
-    fresh = cache.is_empty()
-    at_first = "compiling kernels, once for this machine (about 20 s)" if fresh else what
     console = Console(stderr=True)
-    if fresh and not console.is_terminal:
-        print(f"ospace: {at_first}", file=sys.stderr)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as shown:
-        task = shown.add_task(at_first, total=total)
+        task = shown.add_task(what, total=total)
+        said = False
+
+        def compiling(begins: bool) -> None:
+            nonlocal said
+            shown.update(task, description=_COMPILING if begins else what)
+            if begins and not said and not console.is_terminal:
+                print(f"ospace: {_COMPILING}", file=sys.stderr)
+                said = True
 
         def advance(done: int) -> None:
             given.refuse_if_interrupted()
-            shown.update(task, completed=done, description=what)
+            shown.update(task, completed=done)
 
-        yield advance
+        cache.told.append(compiling)
+        try:
+            yield advance
+        finally:
+            cache.told.remove(compiling)

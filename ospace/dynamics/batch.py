@@ -21,7 +21,7 @@ from ospace.points import OperationalPoint, PointSet, point_set
 from ospace.robot import SpaceRobot
 
 CHUNK = 512
-_BITS = {name: bits for name, bits in BITS.items() if name != "jacobian"}
+_BITS = {name: bits for name, bits in BITS.items() if name not in ("jacobian", "generalized_bias")}
 _BITS |= {"inertia_inverse_packed": BITS["inertia_inverse"], "smallest_singular_value": BITS["generalized_jacobian"]}
 QUANTITIES = tuple(_BITS)
 _NOTHING = {
@@ -55,8 +55,7 @@ class OperationalSpaceBatch:
     generalized_inertia : (N, n, n)
         H_m*.
     smallest_singular_value : (N,)
-        σ_min of J_m*, the last of its min(r, n) singular values: zero at a dynamic singularity. Comes with
-        `generalized_jacobian`, from which LAPACK takes it.
+        σ_min of J_m*, the last of its min(r, n) singular values, by LAPACK: zero at a dynamic singularity.
     momentum : (N, 6)
         M_0.
     bad : (k,) int array
@@ -118,15 +117,17 @@ def operational_space_batch(
     """
     given = point_set(robot, points)
     quantities = (quantities,) if isinstance(quantities, str) else tuple(quantities)
+    if out is not None and not isinstance(out, Mapping):
+        raise OspaceError("out must be a mapping of quantities to arrays")
     for name in (*quantities, *(out or {})):
         if name not in QUANTITIES:
             raise OspaceError(f"quantity '{name}' is unknown: give some of {', '.join(QUANTITIES)}")
+        if name not in quantities:
+            raise OspaceError(f"out has '{name}', which is not among the quantities asked for")
     Q = _states(Q, robot.nq, "Q", robot.name)
     V = np.broadcast_to(np.zeros(robot.nv), (len(Q), robot.nv)) if V is None else _states(V, robot.nv, "V", robot.name)
     if len(V) != len(Q):
         raise OspaceError(f"Q has {len(Q)} states and V has {len(V)}: give one velocity for each configuration")
-    if "smallest_singular_value" in quantities and "generalized_jacobian" not in quantities:
-        quantities = (*quantities, "generalized_jacobian")
     results = _arrays(robot, len(given.rows), len(Q), quantities, out or {})
     work = _Work(robot, given, Q, V, results)
     _over_threads(work, len(Q), _threads(threads))
@@ -135,7 +136,10 @@ def operational_space_batch(
 
 def _states(given: npt.ArrayLike, columns: int, name: str, robot: str) -> Floats:
     try:
-        states = np.asarray(given, dtype=np.float64)
+        states = np.asarray(given)
+        if np.iscomplexobj(states):
+            raise TypeError
+        states = states.astype(np.float64, copy=False)
     except (TypeError, ValueError):
         raise OspaceError(f"{name} is no array of numbers") from None
     if states.ndim != 2 or states.shape[1] != columns:
@@ -162,7 +166,7 @@ def _arrays(
     for name in quantities:
         array = out[name] if name in out else np.zeros(shapes[name])
         fits = isinstance(array, np.ndarray) and array.shape == shapes[name] and array.dtype == np.float64
-        if not fits or not array.flags.c_contiguous or not array.flags.writeable:
+        if not fits or not (array.flags.c_contiguous and array.flags.writeable and array.flags.aligned):
             raise OspaceError(f"out['{name}'] must be a writable C-contiguous float64 array of shape {shapes[name]}")
         results[name] = array
     return results
@@ -170,13 +174,14 @@ def _arrays(
 
 def _threads(given: int | None) -> int:
     if given is not None:
-        if not isinstance(given, int) or given < 1:
+        if not isinstance(given, int | np.integer) or given < 1:
             raise OspaceError(f"threads is {given!r}: give a whole number from 1 on")
-        return given
+        return int(given)
     for name in ("OSPACE_NUM_THREADS", "OMP_NUM_THREADS"):
-        if os.environ.get(name, "").isdecimal() and int(os.environ[name]) > 0:
-            return int(os.environ[name])
-    return os.cpu_count() or 1
+        first = os.environ.get(name, "").partition(",")[0].strip()  # OpenMP takes a list, one for each level
+        if first.isdecimal() and int(first) > 0:
+            return int(first)
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _over_threads(work: _Work, N: int, threads: int) -> None:
@@ -186,14 +191,19 @@ def _over_threads(work: _Work, N: int, threads: int) -> None:
     lock = threading.Lock()
 
     def consume() -> None:
-        worker = _Worker(work)
-        while not stop.is_set():
-            with lock:
-                chunk = next(chunks, None)
-            if chunk is None:
-                return
-            worker.run(chunk)
+        try:
+            worker = _Worker(work)
+            while not stop.is_set():
+                with lock:
+                    chunk = next(chunks, None)
+                if chunk is None:
+                    return
+                worker.run(chunk)
+        except BaseException:
+            stop.set()
+            raise
 
+    _Worker(work).run(slice(0, 0))  # compiles on the thread that Ctrl-C meets
     threads = min(threads, -(-N // CHUNK))
     if threads <= 1:
         consume()
@@ -226,6 +236,9 @@ class _Worker:
     def __init__(self, work: _Work) -> None:
         self.work = work
         self.memory = None if work.flat is None else memory.lay_out(work.flat, work.robot.nq, work.lanes)
+        self.Q, self.V = np.empty((CHUNK, work.robot.nq)), np.empty((CHUNK, work.robot.nv))
+        rows = CHUNK if "smallest_singular_value" in work.results else 0
+        self.jacobian = np.empty((rows, len(work.given.rows), work.robot.n_joints))
 
     def run(self, chunk: slice) -> None:
         """Compute one chunk, in place."""
@@ -233,10 +246,11 @@ class _Worker:
         if self.memory is not None:
             parts = {name: self._part(name, chunk) for name in _NOTHING}
             out = many.Results(**parts, status=work.status[chunk])
-            Q, V = (np.ascontiguousarray(states[chunk]) for states in (work.Q, work.V))
-            many.BY_WIDTH[work.lanes](Q, V, self.memory, out)
+            count = chunk.stop - chunk.start
+            self.Q[:count], self.V[:count] = work.Q[chunk], work.V[chunk]
+            many.BY_WIDTH[work.lanes](self.Q[:count], self.V[:count], self.memory, out)
         for s in chunk.start + np.flatnonzero(work.status[chunk] != evaluation.FINE):
-            work.status[s] = self._alone(int(s))
+            work.status[s] = self._alone(int(s), chunk)
         if "smallest_singular_value" in work.results:
             J = self._part("generalized_jacobian", chunk)
             values = np.linalg.svd(J, compute_uv=False)
@@ -244,14 +258,18 @@ class _Worker:
 
     def _part(self, name: str, chunk: slice) -> Floats:
         """Return the rows of a result that belong to `chunk`; none where it is not wanted."""
-        return self.work.results[name][chunk] if name in self.work.results else _NOTHING[name]
+        if name in self.work.results:
+            return self.work.results[name][chunk]
+        if name == "generalized_jacobian" and len(self.jacobian):
+            return self.jacobian[: chunk.stop - chunk.start]
+        return _NOTHING[name]
 
     @cached_property
     def _evaluator(self) -> OperationalSpaceEvaluator:
         wanted = [name for name in self.work.results if name in BITS]
         return OperationalSpaceEvaluator(self.work.robot, self.work.given.points, wanted)
 
-    def _alone(self, s: int) -> int:
+    def _alone(self, s: int, chunk: slice) -> int:
         """Compute state `s` by itself: any joint type, dependent rows; zeros where it cannot be computed."""
         work = self.work
         try:
@@ -259,10 +277,14 @@ class _Worker:
             for name, result in work.results.items():
                 if name in BITS:
                     result[s] = getattr(one, name)
+            if len(self.jacobian):
+                self._part("generalized_jacobian", chunk)[s - chunk.start] = one.generalized_jacobian
             if "inertia_inverse_packed" in work.results:
                 work.results["inertia_inverse_packed"][s] = one.inertia_inverse[np.tril_indices(len(work.given.rows))]
         except OspaceError:
             for result in work.results.values():
                 result[s] = 0.0
+            if len(self.jacobian):
+                self._part("generalized_jacobian", chunk)[s - chunk.start] = 0.0
             return evaluation.BAD_INPUT
         return evaluation.FINE

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -31,10 +32,14 @@ BITS = {
     "jacobian": evaluation.JACOBIAN,
     "generalized_jacobian": evaluation.FLOATING,
     "generalized_inertia": evaluation.FLOATING | evaluation.GENERALIZED_INERTIA,
+    "generalized_bias": evaluation.FLOATING | evaluation.GENERALIZED_BIAS,
     "momentum": evaluation.FLOATING,
 }
 """What each quantity asks of the kernel."""
 QUANTITIES = tuple(BITS)
+_A_STATE, _PSEUDO_INVERSE = 1 << 20, 1 << 21  # of what is known: beside those of the kernel, which does not heed them
+
+_FIRST_USE = threading.Lock()
 
 
 class _Quantity:
@@ -49,6 +54,9 @@ class _Quantity:
         if self.bits & ~run._known:
             run._complete(self.bits)
         return run._arrays[self.name]
+
+    def __set__(self, run: OperationalSpaceEvaluator, value: object) -> None:
+        raise AttributeError(f"'{self.name}' is computed, and cannot be set")
 
 
 class OperationalSpaceEvaluator:
@@ -78,6 +86,8 @@ class OperationalSpaceEvaluator:
         J_m*.
     generalized_inertia : (n, n)
         H_m*.
+    generalized_bias : (n,)
+        c_m*.
     momentum : (6,)
         M_0.
 
@@ -100,6 +110,7 @@ class OperationalSpaceEvaluator:
     jacobian = _Quantity()
     generalized_jacobian = _Quantity()
     generalized_inertia = _Quantity()
+    generalized_bias = _Quantity()
     momentum = _Quantity()
 
     def __init__(
@@ -110,35 +121,37 @@ class OperationalSpaceEvaluator:
     ) -> None:
         self.robot = robot
         self.quantities = (quantities,) if isinstance(quantities, str) else tuple(quantities)
-        self._want = 0
+        self._want = _A_STATE
         for name in self.quantities:
             if name not in BITS:
                 raise OspaceError(f"quantity '{name}' is unknown: give some of {', '.join(QUANTITIES)}")
             self._want |= BITS[name]
         self._given = point_set(robot, points)
         self._known = 0
-        self._updated = False
         self._still = np.zeros(robot.nv)
         self._rank = r = len(self._given.rows)
         self._state: State | None = None
         n, nv = robot.n_joints, robot.nv
-        shapes = ((r, r), (r, r), (r,), (r,), (r, nv), (r, n), (n, n), (6,))
+        shapes = ((r, r), (r, r), (r,), (r,), (r, nv), (r, n), (n, n), (n,), (6,))
         self._arrays: dict[str, Floats] = {name: np.zeros(shape) for name, shape in zip(BITS, shapes, strict=True)}
 
         flat = flatten(robot, self._given)
         self._on_kernel = flat is not None
+        self._evaluate: Callable[..., int] = _no_kernel
+        self.work = np.zeros(0)
         if flat is not None:
-            self._joints = flat.joints
-            self._memory = memory.lay_out(flat, robot.nq)
-            self._evaluate: Callable[..., int] = evaluation.evaluate
-            self._wanted = memory.wanted(self._memory)
+            self._joints, self.nodes = flat.joints, flat.nodes
+            self.work = memory.lay_out(flat, robot.nq)
+            self._evaluate = evaluation.evaluate
+            self._wanted = memory.wanted(self.work)
             self._wanted[0] = self._want
-            self._q, self._v = self._table("q")[:, 0], self._table("velocity")[:, 0]
-            self._arrays = {name: self._table(name).reshape(shape) for name, shape in zip(BITS, shapes, strict=True)}
-            _only_doubles(self._still, self._memory)
+            self._q, self._v = self.table("q")[:, 0], self.table("velocity")[:, 0]
+            self._arrays = {name: self.table(name).reshape(shape) for name, shape in zip(BITS, shapes, strict=True)}
+            _only_doubles(self._still, self.work)
 
-    def _table(self, name: str) -> Floats:
-        return memory.result(self._memory, name)
+    def table(self, name: str) -> Floats:
+        """Look at a table of `ospace.kernels.memory.Work`: for kernels that go on from the last state."""
+        return memory.result(self.work, name)
 
     def update(self, q: npt.ArrayLike, v: npt.ArrayLike | None = None) -> OperationalSpaceEvaluator:
         """Compute the quantities at `q` (nq,) and `v` (nv,), zero without it; return the evaluator itself.
@@ -153,21 +166,23 @@ class OperationalSpaceEvaluator:
         """
         if v is None:
             v = self._still
-        if not self._on_kernel:
-            self._take_state(self.robot.state(q, v))
-            return self
         try:
-            status = self._evaluate(q, v, self._memory)
+            status = self._evaluate(q, v, self.work)
         except (TypeError, AttributeError):  # not writable arrays of doubles; the latter where kernels run interpreted
+            self._known = 0
+            if not self._on_kernel:
+                self._take_state(self.robot.state(q, v))
+                return self
             q = checked_vector(q, self.robot.nq, "q", self.robot.name)
             v = checked_vector(v, self.robot.nv, "v", self.robot.name)
-            status = self._evaluate(q, v, self._memory)
+            status = self._evaluate(q, v, self.work)
         if status:
-            self._updated, self._known = False, 0
+            self._known = 0
             if status == evaluation.BAD_INPUT:
-                status = self._evaluate(*self._in_reach(q, v), self._memory)
-            self._mend(status, self._want)
-        self._updated, self._known = True, self._want
+                status = self._evaluate(*self._in_reach(q, v), self.work)
+            self._known = self._want | self._mend(status, self._want)
+            return self
+        self._known = self._want
         return self
 
     @property
@@ -175,13 +190,12 @@ class OperationalSpaceEvaluator:
         """Rank of Γ_e⁻¹: how many of the rows are independent."""
         if evaluation.INERTIA & ~self._known:
             self._complete(BITS["inertia"])
-        return self._rank
+        return self._rank if self._known & _PSEUDO_INVERSE else len(self._given.rows)
 
     @property
     def response(self) -> Floats:
         """H⁻¹ J_eᵀ (nv, r), a new array by the sweeps of `operational_space`, which take as long as that does."""
-        if not self._updated:
-            self._complete(0)
+        self._complete(0)
         state = self._state or self.robot.state(self._q, self._v)
         return operational_space(state, self._given.points).response
 
@@ -197,17 +211,26 @@ class OperationalSpaceEvaluator:
         projector: Floats = np.eye(self.robot.nv) - self.dynamically_consistent_inverse @ self.jacobian
         return projector
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copy by making another of its own memory."""
+        return OperationalSpaceEvaluator, (self.robot, self._given.points, self.quantities)
+
     # -- what is not the straight way ------------------------------------------------------------------------
 
     def _complete(self, bits: int) -> None:
         """Compute what `bits` want as well, at the state of the last update."""
-        if not self._updated:
+        if not self._known:
             raise OspaceError("there is no state to compute this from: call update(q, v) first, and heed its error")
+        if bits:
+            self._known |= bits | self._mend(self._evaluate_again(bits), bits)
+
+    def _evaluate_again(self, bits: int) -> int:
+        """Compute what `bits` want, and no more, at the same state."""
         self._wanted[0] = bits
-        status = self._evaluate(self._q, self._v, self._memory)
-        self._wanted[0] = self._want
-        self._mend(status, bits)
-        self._known |= bits
+        try:
+            return self._evaluate(self._q, self._v, self.work)
+        finally:
+            self._wanted[0] = self._want
 
     def _in_reach(self, q: npt.ArrayLike, v: npt.ArrayLike) -> tuple[Floats, Floats]:
         """Return the state with all angles in (−π, π], where the kernel's sine holds; raise where it is no state."""
@@ -217,25 +240,24 @@ class OperationalSpaceEvaluator:
         q[angles] = np.arctan2(np.sin(q[angles]), np.cos(q[angles]))
         return q, v
 
-    def _mend(self, status: int, bits: int) -> None:
-        """Do what the kernel left undone; raise what it cannot do."""
-        self._rank = len(self._given.rows)
+    def _mend(self, status: int, bits: int) -> int:
+        """Do what the kernel left undone, or raise what it cannot do; return `_PSEUDO_INVERSE` if Γ_e is one."""
         if status == evaluation.BAD_INPUT:
             raise not_finite("the operational-space dynamics")
         if status == evaluation.SINGULAR:
-            none = np.flatnonzero(~(self._table("share")[1:, 0] > NO_INERTIA))
+            none = np.flatnonzero(~(self.table("share")[1:, 0] > NO_INERTIA))
             raise SingularInertiaError(self.robot.joint_of_link(int(none[-1]) + 1))
         if status == evaluation.DEPENDENT:
             self._invert_on_range(bits)
+            return _PSEUDO_INVERSE
+        return 0
 
     def _invert_on_range(self, bits: int) -> None:
         """Γ_e, μ_e and the rank where rows depend on each other."""
-        self._wanted[0] = BITS["jacobian"] | BITS["momentum"]
-        self._evaluate(self._q, self._v, self._memory)
-        self._wanted[0] = self._want
+        self._evaluate_again(BITS["jacobian"] | BITS["momentum"])
         arrays = self._arrays
-        base = self._table("IC")[0, [0, 2, 5, 9, 14, 20]]
-        joints = np.einsum("ij,ij->i", self._table("S"), self._table("F"))[1:] + self._joints.mass[1:, 1]
+        base = self.table("IC")[0, [0, 2, 5, 9, 14, 20]]
+        joints = np.einsum("ij,ij->i", self.table("S"), self.table("F"))[1:] + self._joints.mass[1:, 1]
         mobility = np.diag(arrays["inertia_inverse"])
         H = np.concatenate([base, joints])
         inverted = inverse_on_range(arrays["inertia_inverse"], arrays["jacobian"], mobility, H)
@@ -245,20 +267,27 @@ class OperationalSpaceEvaluator:
 
     def _take_state(self, state: State) -> None:
         """Go the way of `operational_space`, which has every joint type."""
-        self._updated, self._known = False, 0
         result = operational_space(state, self._given.points)
         for name in ("inertia_inverse", "inertia", "bias_acceleration", "bias_force", "jacobian"):
             self._arrays[name][:] = getattr(result, name)
         floating = generalized_jacobian(state, self._given.points)
         self._arrays["generalized_jacobian"][:] = floating.generalized_jacobian
-        self._arrays["generalized_inertia"][:] = generalized_dynamics(state).generalized_inertia
+        generalized = generalized_dynamics(state)
+        self._arrays["generalized_inertia"][:] = generalized.generalized_inertia
+        self._arrays["generalized_bias"][:] = generalized.generalized_bias
         self._arrays["momentum"][:] = momentum(state)
         self._rank, self._state = result.rank, state
-        self._updated, self._known = True, -1
+        self._known = -1
+
+
+def _no_kernel(q: Floats, v: Floats, work: Floats) -> int:
+    """Stand where a robot's joints have no kernel."""
+    raise TypeError
 
 
 def _only_doubles(v: Floats, work: Floats) -> None:
     """Compile for plain arrays of doubles, and for nothing else: any other type is a TypeError from here on."""
-    evaluation.evaluate(np.empty(0), v, work)
-    if hasattr(evaluation.evaluate, "disable_compile"):  # not there where kernels run interpreted
-        evaluation.evaluate.disable_compile()
+    with _FIRST_USE:
+        evaluation.evaluate(np.empty(0), v, work)
+        if hasattr(evaluation.evaluate, "disable_compile"):  # not there where kernels run interpreted
+            evaluation.evaluate.disable_compile()

@@ -12,10 +12,11 @@ import os
 import platform
 import tempfile
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import llvmlite
 import numba
@@ -44,16 +45,33 @@ def directory() -> Path | None:
         folder.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=folder).close()
     except (OSError, RuntimeError) as error:  # RuntimeError: no home folder
-        message = f"kernels are compiled anew by each process, which takes seconds: no folder can keep them ({error}); "
-        warnings.warn(message + "set OSPACE_CACHE_DIR to one that can be written", RuntimeWarning, stacklevel=2)
+        warn(error)
         return None
     return folder
 
 
-def is_empty() -> bool:
-    """Whether kernels are still to be compiled on this machine."""
-    folder = directory()
-    return folder is None or next(folder.rglob("*.nbi"), None) is None
+def warn(error: Exception) -> None:
+    """Tell that compiled kernels cannot be kept, or what was kept cannot be read."""
+    message = f"kernels are compiled anew by each process, which takes seconds: no folder can keep them ({error}); "
+    warnings.warn(message + "set OSPACE_CACHE_DIR to one that can be written", RuntimeWarning, stacklevel=2)
+
+
+told: list[Callable[[bool], None]] = []
+"""Called with True when a kernel that is not kept begins to be compiled, and with False when it is done."""
+
+
+@contextmanager
+def announced(entry: Any) -> Iterator[None]:
+    """Call what is in `told` around the compilation of `entry`, unless it is kept on disk already."""
+    kept = getattr(getattr(entry._cache, "_cache_file", None), "_index_path", None)
+    listeners = [] if kept and Path(kept).exists() else list(told)
+    for listener in listeners:
+        listener(True)
+    try:
+        yield
+    finally:
+        for listener in listeners:
+            listener(False)
 
 
 @contextmanager

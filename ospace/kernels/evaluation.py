@@ -15,18 +15,19 @@ from ospace.kernels.lanes import (
     load6,
     load9,
     load21,
+    store6,
     store21,
     store_part6,
 )
 from ospace.kernels.memory import Robot, Wide, Work, open_robot, open_wide, open_work
 from ospace.kernels.propagated import Spread
 from ospace.kernels.simd import largest, least, like, root, size, zeros
-from ospace.kernels.spatial import add6, dot6, motion_at, rotate, sym6_mul
+from ospace.kernels.spatial import add6, classical, dot6, motion_at, rotate, scale6, sym6_mul
 from ospace.kernels.tables import Floats, Ints
 
 FINE, BAD_INPUT, SINGULAR, DEPENDENT = 0, 1, 2, 3
-# What is wanted, bits: Γ_e⁻¹; Γ_e; μ; J_e; J_m*, M_0 and composite bodies; H_m* of these
-MOBILITY, INERTIA, BIAS, JACOBIAN, FLOATING, GENERALIZED_INERTIA = 1, 2, 4, 8, 16, 32
+# What is wanted, bits: Γ_e⁻¹; Γ_e; μ; J_e; J_m*, M_0 and composite bodies; H_m* of these; c_m* and drifts of these
+MOBILITY, INERTIA, BIAS, JACOBIAN, FLOATING, GENERALIZED_INERTIA, GENERALIZED_BIAS = 1, 2, 4, 8, 16, 32, 64
 
 SMALLEST_PIVOT = 1e-10
 """Of Γ_e⁻¹ at unit diagonal: below it, rows of the points may depend on each other."""
@@ -37,7 +38,7 @@ FAR_ANGLE = 1e5
 
 
 @inlined
-def take_input(joints: Joints, w: Work, moving: bool) -> None:
+def take_input(joints: Joints, w: Work) -> None:
     """Bring quaternion and (cos, sin) pairs in `w.q` to unit length; note how far they were, and what is not finite.
 
     Angles count as far from unit length where they pass what `sine_cosine` is good for.
@@ -45,9 +46,8 @@ def take_input(joints: Joints, w: Work, moving: bool) -> None:
     blemish, stray = like(0.0, w.q[0, 0]), like(0.0, w.q[0, 0])
     for k in range(w.q.shape[0]):
         blemish = blemish + 0.0 * w.q[k, 0]  # not zero for what is not finite
-    if moving:
-        for k in range(w.velocity.shape[0]):
-            blemish = blemish + 0.0 * w.velocity[k, 0]
+    for k in range(w.velocity.shape[0]):
+        blemish = blemish + 0.0 * w.velocity[k, 0]
     x, y, z, u = w.q[3, 0], w.q[4, 0], w.q[5, 0], w.q[6, 0]
     length = x * x + y * y + z * z + u * u
     stray = largest(stray, size(length - 1.0))
@@ -72,7 +72,7 @@ def run(robot: Robot, w: Work, wide: Wide) -> None:
     """From `w.q` and `w.velocity` to the results."""
     joints, nodes, frames, want = robot.joints, robot.nodes, Frames(w.R, w.r), robot.want[0]
     moving = want & (BIAS | FLOATING) != 0
-    take_input(joints, w, moving)
+    take_input(joints, w)
     sines_cosines(wide.q, wide.sine, wide.cosine)
     place_links(joints, w.q, w.sine, w.cosine, frames, w.S, w.I)
     propagated.place_points(nodes, frames, w.place)
@@ -86,11 +86,15 @@ def run(robot: Robot, w: Work, wide: Wide) -> None:
         float_freely(robot, w)
         if want & GENERALIZED_INERTIA:
             reduce_inertia(joints, w)
+        if want & GENERALIZED_BIAS:
+            reduce_bias(robot, w)
     if want & MOBILITY:
         operate(robot, w, want & BIAS != 0)
         if want & INERTIA:
             rows = symmetric.Rows(w.scratch, wide.scratch, wide.unit, w.scale)
             w.health[0, 3] = symmetric.inverse(w.inertia_inverse, rows, w.inertia)
+            for i in range(w.inertia.shape[0]):
+                w.health[0, 4] = w.health[0, 4] + 0.0 * w.inertia[i, i]
             if want & BIAS:
                 load_bias(w)
 
@@ -175,7 +179,7 @@ def float_freely(robot: Robot, w: Work) -> None:
         store21(w.IC, i, load21(w.I, i))
     sum_momenta(w.I, w.v, w.momentum)
     compose(parent, w.S, w.IC, w.F)
-    base_columns(w.IC, w.F, w.J_b_star)
+    store21(w.base_inverse, 0, base_columns(w.IC, w.F, w.J_b_star))
     v_b = rotate(load9(w.R, 0), (w.velocity[0, 0], w.velocity[1, 0], w.velocity[2, 0]))
     o = like(0.0, v_b[0])
     add_to6(w.momentum, 0, sym6_mul(load21(w.IC, 0), v_b + (o, o, o)))
@@ -211,6 +215,28 @@ def reduce_inertia(joints: Joints, w: Work) -> None:
     add_joint_inertia(joints.parent, w.S, w.F, H)
     for i in range(H.shape[0]):
         w.health[0, 0] = w.health[0, 0] + 0.0 * H[i, i]
+
+
+@inlined
+def reduce_bias(robot: Robot, w: Work) -> None:
+    """c_m* = c_m + J_b*ᵀ c_b (7), and ẍ_b and ẍ_e while no joint accelerates and nothing acts."""
+    parent, nodes = robot.joints.parent, robot.nodes
+    propagated.load_links(w.I, w.v, w.a, w.p)
+    for i in range(parent.size - 1, 0, -1):
+        w.generalized_bias[i - 1, 0] = dot6(load6(w.S, i), load6(w.p, i))
+        add_to6(w.p, parent[i], load6(w.p, i))
+    c_b = load6(w.p, 0)
+    for i in range(1, parent.size):
+        c = w.generalized_bias[i - 1, 0] + dot6(load6(w.J_b_star, i), c_b)
+        w.generalized_bias[i - 1, 0] = c
+        w.health[0, 0] = w.health[0, 0] + 0.0 * c
+    a_b = scale6(sym6_mul(load21(w.base_inverse, 0), c_b), -1.0)
+    store6(w.base_drift, 0, a_b)
+    for n in range(1, nodes.parent.size):
+        if nodes.point[n] >= 0:
+            place, link = load3(w.place, n), nodes.link[n]
+            a = motion_at(place, add6(a_b, load6(w.a, link)))
+            store6(w.drift, nodes.point[n], classical(a, motion_at(place, load6(w.v, link))))
 
 
 @inlined

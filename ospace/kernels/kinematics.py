@@ -13,7 +13,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ospace.kernels.lanes import Number, Row, Table, inlined, load3, load6, load9, store3, store6, store9, store21
-from ospace.kernels.simd import floor, like
+from ospace.kernels.simd import fence, floor, like
 from ospace.kernels.spatial import (
     add3,
     add6,
@@ -61,7 +61,7 @@ class Frames(NamedTuple):
 def sine_cosine(x: Number) -> tuple[Number, Number]:
     """Sine and cosine of an angle up to 1e5 rad, without a branch: reduced to ±π/4, then by polynomials."""
     k = floor(x * 0.6366197723675814 + 0.5)
-    y = ((x - k * 1.5707963267341256) - k * 6.077100506303966e-11) - k * 2.0222662487959506e-21
+    y = fence(fence(x - k * 1.5707963267341256) - k * 6.077100506303966e-11) - k * 2.0222662487959506e-21
     z = y * y
     s = y + y * z * (
         -1.66666666666666324348e-01

@@ -15,11 +15,14 @@ compiled kernels and ``NUMBA_DISABLE_JIT=1`` runs all of them interpreted.
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
 import llvmlite.binding
 import numba
+from numba.core.caching import NullCache
+from numba.core.compiler_lock import global_compiler_lock
 from numba.extending import overload
 
 from ospace.kernels import cache
@@ -32,6 +35,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 # Sums may be reordered and contracted; NaN and infinity keep their meaning, so that bad numbers stay visible.
 _FASTMATH = {"contract", "reassoc", "nsz", "arcp"}
 _SOUND_LLVM = (20, 0, 0)
+_OF_THE_CACHE = (OSError, EOFError, ValueError, pickle.UnpicklingError)  # a full disk, a file cut short or garbled
 _OPTIONS: dict[str, Any] = {"fastmath": _FASTMATH, "error_model": "numpy"}
 _MELTED = {**_OPTIONS, "forceinline": True, "no_cfunc_wrapper": True}
 
@@ -44,26 +48,41 @@ def inlined(function: Function) -> Function:
 
 def entry(function: Function) -> Function:
     """Compile `function` for calls from Python, with the result kept on disk."""
+    return _compiled(function, nogil=False)
+
+
+def entry_for_threads(function: Function) -> Function:
+    """Compile as `entry` does, for calls that take long: others may run meanwhile, which costs 60 ns."""
+    return _compiled(function, nogil=True)
+
+
+def _compiled(function: Function, nogil: bool) -> Function:
     with cache.keyed_on_sources() as writable:
-        compiled: Any = numba.njit(cache=writable, nogil=True, **_OPTIONS)(function)
+        compiled: Any = numba.njit(cache=writable, nogil=nogil, **_OPTIONS)(function)
     if hasattr(compiled, "compile"):  # not there where kernels run interpreted
-        compiled.compile = _vectorizing_straight_code(compiled.compile)
+        compiled.compile = _compiling_as_we_like(compiled, compiled.compile)
     return cast(Function, compiled)
 
 
-def _vectorizing_straight_code(compile_: Callable[..., Any]) -> Callable[..., Any]:
-    """Let LLVM gather scalar arithmetic into vectors, which makes one state a quarter faster.
+def _compiling_as_we_like(entry: Any, compile_: Callable[..., Any]) -> Callable[..., Any]:
+    """Let LLVM gather scalar arithmetic into vectors, which makes one state a quarter faster; survive a broken cache.
 
-    Numba has it off because of LLVM 14's faults, so it stays off where LLVM is old.
+    Numba has the former off because of LLVM 14's faults, so it stays off where LLVM is old.
     """
 
     def compile_so(signature: Any) -> Any:
-        before = numba.config.SLP_VECTORIZE
-        numba.config.SLP_VECTORIZE = int(llvmlite.binding.llvm_version_info >= _SOUND_LLVM)
-        try:
-            return compile_(signature)
-        finally:
-            numba.config.SLP_VECTORIZE = before
+        with global_compiler_lock:  # numba's own, so that no other code is compiled so
+            before = numba.config.SLP_VECTORIZE
+            numba.config.SLP_VECTORIZE = int(llvmlite.binding.llvm_version_info >= _SOUND_LLVM)
+            try:
+                with cache.announced(entry):
+                    return compile_(signature)
+            except _OF_THE_CACHE as error:
+                cache.warn(error)
+                entry._cache = NullCache()
+                return compile_(signature)
+            finally:
+                numba.config.SLP_VECTORIZE = before
 
     return compile_so
 

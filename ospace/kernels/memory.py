@@ -60,9 +60,16 @@ class Work(NamedTuple):
     IC: Table
     F: Table
     J_b_star: Table
+    base_inverse: Table
+    """(1, 21): (I_0^C)⁻¹."""
     J_m_star: Table
     """(n, 6p): the columns of J_m* as rows."""
     generalized_inertia: Table
+    generalized_bias: Table
+    base_drift: Table
+    """(1, 6): ẍ_b while no joint accelerates and nothing acts."""
+    drift: Table
+    """(p, 6): ẍ_e then."""
     momentum: Table
     columns: Table
     """(nv, 6p): the columns of J_e as rows."""
@@ -72,7 +79,7 @@ class Work(NamedTuple):
     scale: Table
     health: Table
     """(1, 5): zero, or not a number where input or result is not finite; how far quaternions are from unit length; the
-    smallest share of inertia; the smallest pivot of Γ_e⁻¹; zero, or not a number where μ_e is not finite."""
+    smallest share of inertia; the smallest pivot of Γ_e⁻¹; zero, or not a number where Γ_e or μ_e is not finite."""
 
 
 class Wide(NamedTuple):
@@ -107,7 +114,7 @@ def padded(length: Any) -> Any:
 
 def work_shapes(links: int, nodes: int, points: int, rows: int, nq: int, lanes: int) -> Work:
     """Return rows and columns of every table of work."""
-    nv = links + 5
+    nv, even = links + 5, rows + rows % 2
     return Work(
         q=(nq, 1),
         sine=(nq, 1),
@@ -135,13 +142,17 @@ def work_shapes(links: int, nodes: int, points: int, rows: int, nq: int, lanes: 
         IC=(links, 21),
         F=(links, 6),
         J_b_star=(links, 6),
+        base_inverse=(1, 21),
         J_m_star=(links - 1, 6 * points),
         generalized_inertia=(links - 1, links - 1),
+        generalized_bias=(links - 1, 1),
+        base_drift=(1, 6),
+        drift=(points, 6),
         momentum=(1, 6),
         columns=(nv, 6 * points),
         jacobian=(rows, nv),
         generalized_jacobian=(rows, links - 1),
-        scratch=(rows + 1, padded(rows) if lanes == 1 else rows),
+        scratch=(even + 2, padded(even) if lanes == 1 else even),
         scale=(rows, 1),
         health=(1, 5),
     )
@@ -151,9 +162,10 @@ def lay_out(robot: Robot, nq: int, lanes: int = 1) -> Floats:
     """Return the array for `robot`, with room for one state in each of `lanes`."""
     joints, nodes = robot.joints, robot.nodes
     points, rows = int((nodes.point >= 0).sum()), len(robot.rows)
+    even = rows + rows % 2
     lists = [joints.parent, joints.kind, joints.first, nodes.parent, nodes.link, nodes.point, nodes.until]
     lists += [nodes.of_link, robot.rows, robot.want]
-    constants = [joints.A, joints.b, joints.com, joints.inertia, joints.mass, nodes.offset, np.eye(rows, padded(rows))]
+    constants = [joints.A, joints.b, joints.com, joints.inertia, joints.mass, nodes.offset, np.eye(even, padded(even))]
     shapes = [(len(one), 1) for one in lists] + [one.shape for one in constants]
     shapes += work_shapes(len(joints.parent), len(nodes.parent), points, rows, nq, lanes)
     sizes = np.array(shapes, dtype=np.int64)
@@ -272,6 +284,10 @@ def open_work(memory: Floats, number: Number) -> Work:
         open_table(memory, at, 32, number),
         open_table(memory, at, 33, number),
         open_table(memory, at, 34, number),
+        open_table(memory, at, 35, number),
+        open_table(memory, at, 36, number),
+        open_table(memory, at, 37, number),
+        open_table(memory, at, 38, number),
     )
 
 

@@ -126,6 +126,21 @@ def _minnum(typing: Any, x: Any, y: Any) -> Any:
     return x(x, x), lambda context, builder, sig, args: _call("minnum", builder, args)
 
 
+@intrinsic
+def _fence(typing: Any, x: Any) -> Any:
+    return x(x), lambda context, builder, sig, args: _call("arithmetic.fence", builder, args)
+
+
+def fence(x: Any) -> Any:
+    """x, computed before what follows: sums are not reordered across."""
+    return x
+
+
+@overload(fence, strict=False)
+def _fenced(x: Any) -> Any:
+    return lambda x: _fence(x)
+
+
 def root(x: Any) -> Any:
     """√x."""
     return np.sqrt(x)
@@ -302,5 +317,8 @@ def _stretch(typing: Any, whole: Any, start: Any, length: Any) -> Any:
 @cache
 def widest() -> int:
     """How many doubles this machine's processor takes in one vector."""
-    features = llvmlite.binding.get_host_cpu_features()
+    try:
+        features = llvmlite.binding.get_host_cpu_features()
+    except RuntimeError:  # not told on this platform
+        return 2
     return 8 if features.get("avx512f") else 4 if features.get("avx") else 2

@@ -10,6 +10,9 @@ It stays symmetric, and after the last step is −A⁻¹. With f the old row k a
 
 since f_i − f_i (1 − 1/p) = f_i/p: whole rows at a time, and no number that is written alone and then read as part of a
 row, for which a processor waits. Pivots of at most one, which the unit diagonal gives, keep the digits of f_i/p.
+
+Two steps are done at once, which halves what goes to and from memory; a matrix of odd size gets a row of the unit
+matrix more.
 """
 
 from __future__ import annotations
@@ -21,14 +24,14 @@ from ospace.kernels.simd import least, like, root
 
 
 class Rows(NamedTuple):
-    """Working memory."""
+    """Working memory; m is the size of the matrix, rounded up to an even one."""
 
     scratch: Table
-    """r + 1 rows of at least r columns."""
+    """m + 2 rows of at least m columns."""
     wide: Table
     """The same memory in wider numbers, in which whole rows are worked on; or `scratch` itself."""
     unit: Table
-    """The unit matrix, in rows of such numbers."""
+    """(m, m) the unit matrix, in rows of such numbers."""
     scale: Table
     """(r, 1)."""
 
@@ -40,24 +43,35 @@ def inverse(A: Table, rows: Rows, X: Table) -> Number:
     The pivots fall to rounding where rows of A depend on each other; `X` is then not to be used.
     """
     scratch, wide, unit, scale = rows.scratch, rows.wide, rows.unit, rows.scale
-    r, columns = A.shape[0], wide.shape[1]
-    smallest = like(1.0, A[0, 0])
+    r, m, columns = A.shape[0], scratch.shape[0] - 2, wide.shape[1]
+    one = like(1.0, A[0, 0])
+    smallest = one
     for i in range(r):
         scale[i, 0] = 1.0 / root(A[i, i])
     for i in range(r):
         for j in range(r):
             scratch[i, j] = A[i, j] * scale[i, 0] * scale[j, 0]
-    for k in range(r):
-        pivot = scratch[k, k]
-        smallest = least(smallest, pivot)
-        inverted = 1.0 / pivot
+    if m > r:
+        for j in range(r):
+            scratch[r, j] = scratch[j, r] = 0.0 * one
+        scratch[r, r] = one
+    for k in range(0, m, 2):
+        between, p = scratch[k, k + 1], scratch[k, k]
+        p_inv = 1.0 / p
+        p_next = scratch[k + 1, k + 1] - between * between * p_inv
+        p_next_inv = 1.0 / p_next
+        smallest = least(smallest, least(p, p_next))
         for j in range(columns):
-            wide[r, j] = wide[k, j]
+            f = wide[k, j]
+            g = wide[k + 1, j] - between * ((f - unit[k, j]) * p_inv)  # row k + 1 after step k
+            wide[m, j], wide[m + 1, j] = f, g
         for j in range(columns):
-            y = (wide[r, j] - unit[k, j]) * inverted
-            for i in range(r):
-                wide[i, j] = wide[i, j] - scratch[r, i] * y
-            wide[k, j] = y - unit[k, j]
+            y = (wide[m, j] - unit[k, j]) * p_inv
+            z = (wide[m + 1, j] - unit[k + 1, j]) * p_next_inv
+            for i in range(m):
+                wide[i, j] = wide[i, j] - (scratch[m, i] * y + scratch[m + 1, i] * z)
+            wide[k, j] = y - unit[k, j] - scratch[m + 1, k] * z
+            wide[k + 1, j] = z - unit[k + 1, j]
     for i in range(r):
         for j in range(i + 1):
             x = -scratch[i, j] * scale[i, 0] * scale[j, 0]

@@ -1,0 +1,43 @@
+"""Operational-space control: tasks and limits to joint torques, by one quadratic program a cycle."""
+
+from ospace.control.base import Base
+from ospace.control.command import Command
+from ospace.control.controller import Controller
+from ospace.control.limits import JointLimits
+from ospace.control.references import Constant, Function, MinimumJerk
+from ospace.control.tasks import (
+    BaseAttitudeTask,
+    CentreOfMassTask,
+    Completion,
+    DampingTask,
+    LookAtTask,
+    MomentumTask,
+    OrientationTask,
+    PoseTask,
+    PositionTask,
+    PostureTask,
+    RelativePoseTask,
+    Task,
+)
+
+__all__ = [
+    "Base",
+    "BaseAttitudeTask",
+    "CentreOfMassTask",
+    "Command",
+    "Completion",
+    "Constant",
+    "Controller",
+    "DampingTask",
+    "Function",
+    "JointLimits",
+    "LookAtTask",
+    "MinimumJerk",
+    "MomentumTask",
+    "OrientationTask",
+    "PoseTask",
+    "PositionTask",
+    "PostureTask",
+    "RelativePoseTask",
+    "Task",
+]

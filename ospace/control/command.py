@@ -1,0 +1,148 @@
+"""What a controller answers, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from ospace.kernels.tables import Floats, Ints
+
+Status = Literal["nominal", "softened", "stopped"]
+_CAUSES = ("position", "velocity", "acceleration")
+_ON = 1e-6  # how near a bound, relative to its size and at least to 1, counts as on it
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Names behind the numbers of a command; the same for all commands of a controller."""
+
+    joints: Sequence[str]
+    components: Sequence[str]
+    """Of the wrench on the base that are actuated."""
+    tasks: Sequence[str]
+    first: Sequence[int]
+    """(T + 1,) where the rows of each task begin."""
+    geometric: Ints
+    """Rows of tasks about points: those of the generalized Jacobian."""
+    singular: float
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Where the time of a cycle went, s."""
+
+    dynamics: float
+    assembly: float
+    solution: float
+    total: float
+
+
+@dataclass(frozen=True)
+class Command:
+    """What to do now.
+
+    Attributes
+    ----------
+    time : float
+        s.
+    torque : (n,)
+        Of the joints; N m, or N.
+    base_wrench : (6,)
+        Of thrusters on the base, inertial axes, at the base-link frame's origin; N, N m.
+    wheel_torque : (3,)
+        Of reaction wheels on the base, inertial axes; N m.
+    joint_acceleration : (n,)
+        rad/s², m/s².
+    base_acceleration : (6,)
+        ẍ_b, inertial axes, at the base-link frame's origin; m/s², rad/s².
+    status : "nominal", "softened" or "stopped"
+        All limits are kept; motion limits had to give way to torque limits; nothing could be solved and the joints
+        are braked.
+    softened : dict of joint name to float
+        By how much a joint's acceleration passes the bounds that its motion limits set, rad/s² or m/s².
+    timing : Timing
+    """
+
+    time: float
+    torque: Floats
+    base_wrench: Floats
+    wheel_torque: Floats
+    joint_acceleration: Floats
+    base_acceleration: Floats
+    status: Status
+    softened: dict[str, float]
+    timing: Timing
+    _layout: Layout = field(repr=False)
+    _bounds: tuple[Floats, Floats, Floats, Ints] = field(repr=False)
+    """Lower, upper, what they bound, and causes."""
+    _rows: tuple[Floats, Floats, Floats, Floats] = field(repr=False)
+    """A, errors, residuals, independence."""
+
+    @cached_property
+    def active_limits(self) -> tuple[str, ...]:
+        """Limits that bind, as ``'right_arm_4: torque, upper'`` or ``'base force x, lower'``."""
+        lower, upper, value, cause = self._bounds
+        n, components = len(self._layout.joints), self._layout.components
+        names = [(joint, None) for joint in self._layout.joints] + [(f"base {name}", "") for name in components]
+        names += [(joint, "torque") for joint in self._layout.joints]
+        found = []
+        for side, bound, sign in (("lower", lower, -1.0), ("upper", upper, 1.0)):
+            on = sign * (value - bound) > -_ON * np.maximum(1.0, np.abs(bound))
+            for i in np.flatnonzero(on):
+                name, what = names[i]
+                if what is None:
+                    what = _CAUSES[cause[0 if side == "lower" else 1, i % max(n, 1)]]
+                found.append(f"{name}: {what}, {side}" if what else f"{name}, {side}")
+        return tuple(found)
+
+    @cached_property
+    def errors(self) -> dict[str, Floats]:
+        """Error of each task's rows: m, rad; of a momentum task N s, N m s."""
+        return self._by_task(self._rows[1])
+
+    @cached_property
+    def residuals(self) -> dict[str, Floats]:
+        """By how much each task's accelerations miss what the task asked for: m/s², rad/s²."""
+        return self._by_task(self._rows[2])
+
+    @cached_property
+    def _singular_values(self) -> Floats:
+        J = self._rows[0][self._layout.geometric]
+        return np.asarray(np.linalg.svd(J, compute_uv=False) if J.size else np.zeros(0), dtype=np.float64)
+
+    @property
+    def rank(self) -> int:
+        """Rank of the generalized Jacobian, with the base's actuation, of all tasks about points."""
+        values = self._singular_values
+        return int((values > 1e-9 * values.max(initial=0.0)).sum())
+
+    @property
+    def smallest_singular_value(self) -> float:
+        """σ_min of the same; zero where the robot can move in fewer ways than the tasks have rows."""
+        rows = len(self._layout.geometric)
+        return float(self._singular_values.min()) if rows and len(self._singular_values) == rows else 0.0
+
+    @property
+    def near_singularity(self) -> tuple[str, ...]:
+        """Tasks near a dynamic singularity, whose motion is damped there."""
+        return tuple(
+            task for task, pivot in zip(self._layout.tasks, self._rows[3], strict=True) if pivot < self._layout.singular
+        )
+
+    @property
+    def explanation(self) -> str:
+        """The status in words."""
+        if self.status == "nominal":
+            return "nominal: all limits are kept"
+        if self.status == "softened":
+            worst = ", ".join(f"'{joint}' by {excess:.3g}" for joint, excess in self.softened.items())
+            return f"softened: torque limits leave no way to keep the motion limits; accelerations pass theirs: {worst}"
+        return "stopped: the program could not be solved; the joints are braked within their torque limits"
+
+    def _by_task(self, values: Floats) -> dict[str, Floats]:
+        first = self._layout.first
+        return {task: values[first[t] : first[t + 1]] for t, task in enumerate(self._layout.tasks)}

@@ -1,0 +1,380 @@
+"""The operational-space controller: tasks and limits to joint torques, one quadratic program a cycle."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from ospace.control.base import Base, parse_base
+from ospace.control.command import Command, Layout, Status, Timing
+from ospace.control.limits import JointLimits, bounded
+from ospace.control.priorities import Level, solve_by_levels, solve_with_slack
+from ospace.control.references import Constant, Function, Reference
+from ospace.control.solvers import solver_named
+from ospace.control.tasks import LookAtTask, PostureTask, Task
+from ospace.control.tasks.base_attitude import base_point
+from ospace.dynamics.evaluator import OperationalSpaceEvaluator
+from ospace.exceptions import OspaceError, closest
+from ospace.kernels import control as kernel
+from ospace.kernels.tables import Floats
+from ospace.kernels.tasks import LOOK_AT, POSTURE, REFERENCE, Actuation, Rows, Tasks
+from ospace.points import OperationalPoint
+from ospace.robot import SpaceRobot
+
+_COMPONENTS = ("force x", "force y", "force z", "torque x", "torque y", "torque z")
+_EXCESS = 1e-5
+"""Excess over motion limits that counts as one, rad/s²."""
+_BRAKING_TIME = 0.1
+"""Within which joints are braked where nothing can be solved, s."""
+
+
+class Controller:
+    """Joint torques, and a wrench on the base where it has actuators, that make a robot do its tasks.
+
+    Parameters
+    ----------
+    robot : SpaceRobot
+        With joints of one degree of freedom.
+    tasks : sequence of Task
+        Of different names.
+    base : "floating", "flying", "thrusters", "wheels" or Base
+        What acts upon the base. Nothing does on a floating one: it moves as the joints make it (7), (12).
+    limits : JointLimits, optional
+        Those of the robot's model without it.
+    period : float
+        Of the control cycle, s.
+    solver : str
+        "daqp", "proxqp", or a back-end of qpsolvers.
+    braking : float
+        Share of what a joint's torque limit could decelerate that the approach to its position limits counts on.
+    regularization : float
+        Weight of squared accelerations, so that the program has one solution.
+    singular : float
+        Tasks whose rows are less independent than this (smallest pivot of J Jᵀ at unit diagonal, 1 for orthogonal
+        rows) count as near a dynamic singularity, and their joints are damped.
+    damping : float
+        Weight of that damping at the singularity, relative to the mean diagonal of J Jᵀ.
+
+    Raises
+    ------
+    OspaceError
+        A joint of several degrees of freedom; two tasks of one name, or none; an unknown mode or solver; a task of
+        another robot's point; a limit or number that makes no sense.
+    """
+
+    def __init__(
+        self,
+        robot: SpaceRobot,
+        tasks: Sequence[Task],
+        *,
+        base: Base | str = "floating",
+        limits: JointLimits | None = None,
+        period: float = 1e-3,
+        solver: str = "daqp",
+        braking: float = 0.5,
+        regularization: float = 1e-6,
+        singular: float = 1e-5,
+        damping: float = 1e-2,
+    ) -> None:
+        self.robot, self.tasks, self.period = robot, tuple(tasks), _above_zero("period", period)
+        self.base, self.limits = parse_base(base), limits or JointLimits.of(robot)
+        self._solve = solver_named(solver)
+        self._refuse_repeated_names()
+        if len(self.limits.torque) != robot.n_joints:
+            raise OspaceError(f"limits are of {len(self.limits.torque)} joints; '{robot.name}' has {robot.n_joints}")
+        self._points = [base_point(robot), *(point for task in self.tasks for point in task.points)]
+        self._run = OperationalSpaceEvaluator(robot, self._points, ("generalized_inertia", "generalized_bias"))
+        self._tasks = self._lay_out()
+        self._R, self._place = self._run.table("R"), self._run.table("place")
+        self._q, self._v = self._run.table("q")[:, 0], self._run.table("velocity")[:, 0]
+        n, m = robot.n_joints, len(self._tasks.rows)
+        self._base = self._actuation()
+        size = n + len(self._base.component)
+        self._rows = Rows(np.zeros((m, size)), np.zeros(m), np.zeros(m), np.zeros((size, 6)))
+        bounds = np.zeros((2, size + n))
+        cause = np.zeros((2, n), dtype=np.int64)
+        self._program = kernel.Program(
+            np.zeros((size, size)), np.zeros(size), np.zeros((n, size)), bounds[0], bounds[1], cause
+        )
+        self._answer = kernel.Answer(np.zeros(n), np.zeros((1, 6)), np.zeros(m))
+        self._regularization = _above_zero("regularization", regularization)
+        weights = np.array([task.weight if task.level is None else 0.0 for task in self.tasks])
+        self._weights = kernel.Weights(
+            weights,
+            self._regularization,
+            _above_zero("singular", singular),
+            _above_zero("damping", damping),
+            np.ones(len(self.tasks)),
+            np.zeros((6, 6)),
+        )
+        largest = self.base.limits[self._base.component] / self._base.scale
+        self._limits = kernel.Limits(
+            bounded(np.array([-self.limits.torque, self.limits.torque])),
+            bounded(np.array([self.limits.lower, self.limits.upper])),
+            bounded(self.limits.velocity),
+            bounded(self.limits.acceleration),
+            bounded(np.array([-largest, largest])),
+            self.period,
+            _above_zero("braking", braking),
+        )
+        self._wheel_rows = self._base.component >= 3 if self.base.wheels else np.zeros(size - n, dtype=bool)
+        self._largest = largest
+        self.wheel_momentum = np.zeros(3)
+        first = self._tasks.first
+        geometric = [
+            np.arange(first[t], first[t + 1]) for t in range(len(self.tasks)) if self._tasks.kind[t] <= LOOK_AT
+        ]
+        self._layout = Layout(
+            robot.joint_names,
+            [_COMPONENTS[c] for c in self._base.component],
+            [task.name for task in self.tasks],
+            [int(row) for row in first],
+            np.concatenate([np.zeros(0, dtype=np.int64), *geometric]),
+            singular,
+        )
+        self._levels = sorted({task.level for task in self.tasks if task.level is not None})
+        self._moving: list[tuple[int, Function]] = []
+        self._begun = False
+        self._references: list[Reference | None] = [None] * len(self.tasks)
+        for t, task in enumerate(self.tasks):
+            if task.reference is not None:
+                self._set_reference(t, task.reference)
+        self._inside_since = np.full(len(self.tasks), np.nan)
+
+    # -- one cycle -------------------------------------------------------------------------------------------
+
+    def update(self, time: float, q: npt.ArrayLike, v: npt.ArrayLike) -> Command:
+        """Return what to do at `time` (s) in the state `q` (nq,), `v` (nv,).
+
+        Raises
+        ------
+        OspaceError
+            The state makes no sense, a reference is not finite, or a joint moves nothing. Tasks and limits that
+            contradict each other are no error: `Command.status` tells.
+        """
+        start = clock.perf_counter()
+        run = self._run.update(q, v)
+        if not self._begun:
+            self._begin(time)
+        evaluated = clock.perf_counter()
+        for t, reference in self._moving:
+            reference.write(self._tasks.reference[t], time)
+        if self._wheel_rows.any():
+            self._limit_wheels()
+        kernel.assemble(time, run.work, self._base, self._tasks, self._limits, self._weights, self._rows, self._program)
+        assembled = clock.perf_counter()
+        z, status, softened = self._solution()
+        solved = clock.perf_counter()
+        kernel.finish(z, run.work, self._base, self._rows, self._program, self._answer)
+        self._watch(time)
+        return self._command(time, z, status, softened, (start, evaluated, assembled, solved))
+
+    def completed(self, name: str, time: float) -> bool:
+        """Whether the task's completion test has held for its time, at `time` of the last cycle; s."""
+        t = self._index(name)
+        completion = self.tasks[t].completion
+        if completion is None:
+            raise OspaceError(f"task '{name}' has no completion test")
+        return bool(time - self._inside_since[t] >= completion.hold - 1e-12)
+
+    def follow(self, name: str, reference: Reference) -> None:
+        """Give a task another reference, from the next cycle on."""
+        t = self._index(name)
+        self._set_reference(t, reference)
+        self._inside_since[t] = np.nan
+
+    def pose(self, point: OperationalPoint) -> pin.SE3:
+        """Pose of a point of one of the tasks in the state of the last cycle, inertial axes."""
+        for e, known in enumerate(self._points):
+            if known.joint == point.joint and known.placement == point.placement:
+                return self._pose(e)
+        raise OspaceError(f"point '{point.frame}' belongs to no task")
+
+    def _solution(self) -> tuple[Floats, Status, dict[str, float]]:
+        """Solve; else let motion limits give way; else brake."""
+        z = self._by_levels() if self._levels else self._solve(self._program)
+        if z is not None and np.isfinite(z).all():
+            return z, "nominal", {}
+        n = self.robot.n_joints
+        relaxed = solve_with_slack(self._program, n, self._solve)
+        if relaxed is not None and np.isfinite(relaxed[0]).all():
+            z, excess = relaxed
+            passed = {self._layout.joints[j]: float(excess[j]) for j in range(n) if excess[j] > _EXCESS}
+            return z, "softened", passed
+        z = np.zeros(len(self._program.f))
+        z[:n] = -self._v[6:] / _BRAKING_TIME
+        return z, "stopped", {}
+
+    def _by_levels(self) -> Floats | None:
+        levels, first = [], self._tasks.first
+        for number in self._levels:
+            taken = [t for t, task in enumerate(self.tasks) if task.level == number]
+            rows = np.concatenate([np.arange(first[t], first[t + 1]) for t in taken])
+            scale = np.sqrt(np.concatenate([np.full(first[t + 1] - first[t], self.tasks[t].weight) for t in taken]))
+            levels.append(Level(scale[:, None] * self._rows.A[rows], scale * self._rows.b[rows]))
+        return solve_by_levels(self._program, levels, self._solve, self._regularization)
+
+    def _command(
+        self, time: float, z: Floats, status: Status, softened: dict[str, float], marks: tuple[float, ...]
+    ) -> Command:
+        n, program, answer = self.robot.n_joints, self._program, self._answer
+        torque = np.clip(answer.torque, self._limits.torque[0], self._limits.torque[1])
+        wrench = np.zeros(6)
+        if len(z) > n:
+            wrench[self._base.component] = z[n:] * self._base.scale
+            R = self._rotation()
+            wrench = np.concatenate([R @ wrench[:3], R @ wrench[3:]])
+        wheel_torque = np.zeros(3)
+        if self._wheel_rows.any():
+            wheel_torque, wrench[3:] = wrench[3:].copy(), 0.0
+            self.wheel_momentum = self.wheel_momentum - wheel_torque * self.period
+        value = np.concatenate([z, answer.torque])
+        lower, upper = program.lower.copy(), program.upper.copy()
+        lower[-n:], upper[-n:] = self._limits.torque[0], self._limits.torque[1]
+        rows = (self._rows.A.copy(), self._rows.error.copy(), answer.residual.copy(), self._weights.independence.copy())
+        now = clock.perf_counter()
+        start, evaluated, assembled, solved = marks
+        timing = Timing(evaluated - start, assembled - evaluated, solved - assembled, now - start)
+        return Command(
+            time,
+            torque,
+            wrench,
+            wheel_torque,
+            z[:n],
+            answer.base_acceleration[0].copy(),
+            status,
+            softened,
+            timing,
+            self._layout,
+            (lower, upper, value, program.cause.copy()),
+            rows,
+        )
+
+    # -- the state of the last cycle -------------------------------------------------------------------------
+
+    def _rotation(self) -> Floats:
+        """Of the base."""
+        R: Floats = self._R[0].reshape(3, 3).T
+        return R
+
+    def _pose(self, e: int) -> pin.SE3:
+        R = self._R[self._link[e]].reshape(3, 3).T @ self._tasks.turn[e].reshape(3, 3).T
+        return pin.SE3(R, self._place[self._tasks.node[e]] + self._q[:3])
+
+    def _limit_wheels(self) -> None:
+        """Bound wheel torques so that no wheel passes its momentum within a period: h − u T within ± the largest."""
+        most = self.base.wheel_momentum
+        rows, scale = self._wheel_rows, self._base.scale
+        stored = (self._rotation().T @ self.wheel_momentum)[self._base.component[rows] - 3]
+        low, high = self._limits.wrench
+        low[rows] = np.clip((stored - most) / (self.period * scale[rows]), -self._largest[rows], self._largest[rows])
+        high[rows] = np.clip((stored + most) / (self.period * scale[rows]), -self._largest[rows], self._largest[rows])
+        low[:], high[:] = bounded(low), bounded(high)
+
+    def _watch(self, time: float) -> None:
+        """Note since when each task with a completion test is within its bounds."""
+        first, error = self._tasks.first, self._rows.error
+        for t, task in enumerate(self.tasks):
+            if task.completion is None:
+                continue
+            rows, own = self._tasks.rows[first[t] : first[t + 1]], error[first[t] : first[t + 1]]
+            if self._tasks.kind[t] >= POSTURE:
+                inside = bool(np.abs(own).max(initial=0.0) <= task.completion.angle)
+            else:
+                position, angle = np.linalg.norm(own[rows < 3]), np.linalg.norm(own[rows >= 3])
+                inside = bool(position <= task.completion.position and angle <= task.completion.angle)
+            if not inside:
+                self._inside_since[t] = np.nan
+            elif np.isnan(self._inside_since[t]):
+                self._inside_since[t] = time
+
+    # -- setting up ------------------------------------------------------------------------------------------
+
+    def _refuse_repeated_names(self) -> None:
+        names = [task.name for task in self.tasks]
+        for name in names:
+            if names.count(name) > 1:
+                raise OspaceError(f"two tasks are called '{name}': give each a name of its own")
+        if not names:
+            raise OspaceError("no task given: a controller needs at least one")
+
+    def _index(self, name: str) -> int:
+        names = [task.name for task in self.tasks]
+        if name not in names:
+            raise OspaceError(f"no task '{name}'{closest(str(name), names)}")
+        return names.index(name)
+
+    def _lay_out(self) -> Tasks:
+        """Lay the tasks out for the kernel; references and postures come with the first cycle."""
+        robot, tasks = self.robot, self.tasks
+        frames = robot.link_frames
+        if frames is None:
+            raise OspaceError(f"robot '{robot.name}': control needs joints of one degree of freedom each")
+        point, at = np.full((len(tasks), 2), -1, dtype=np.int64), 1
+        for t, task in enumerate(tasks):
+            count = len(task.points)
+            point[t, :count] = range(at, at + count)
+            at += count
+        rows = [task.rows(robot) for task in tasks]
+        gain = [(task.gain * 2) for task in tasks]
+        axis = np.zeros((len(tasks), 3))
+        for t, task in enumerate(tasks):
+            if isinstance(task, LookAtTask):
+                axis[t] = np.asarray(task.axis) / np.linalg.norm(task.axis)
+        nodes = self._run.nodes
+        node = np.array([int(np.flatnonzero(nodes.point == e)[0]) for e in range(len(self._points))])
+        self._link = nodes.link[node]
+        turn = [(frames.axes[one.joint].T @ one.placement.rotation).ravel(order="F") for one in self._points]
+        return Tasks(
+            np.array([task.kind for task in tasks]),
+            point,
+            np.concatenate([[0], np.cumsum([len(own) for own in rows])]),
+            np.concatenate(rows).astype(np.int64),
+            np.array(gain, dtype=np.float64),
+            axis,
+            np.zeros((len(tasks), REFERENCE)),
+            np.zeros((len(tasks), robot.n_joints)),
+            node,
+            np.array(turn),
+        )
+
+    def _actuation(self) -> Actuation:
+        """Actuated components of the wrench, scaled to accelerations of the base: of the mass, of its mean inertia."""
+        component = np.flatnonzero(self.base.limits > 0.0)
+        moment = np.trace(self.robot.model.inertias[1].inertia) / 3.0
+        scale = np.where(component < 3, self.robot.total_mass, moment)
+        return Actuation(component, scale, np.zeros((len(component), 6)))
+
+    def _begin(self, time: float) -> None:
+        """Take what is there at the first cycle as the reference of every task that was given none."""
+        self._begun = True
+        IC = self._run.table("IC")[0]
+        centre = IC[[16, 8, 10]] / IC[0] + self._q[:3]
+        joints = self.robot.joint_positions(self._q)
+        for t, task in enumerate(self.tasks):
+            if isinstance(task, PostureTask):
+                posture = {**joints, **(task.posture or {})}
+                self._tasks.posture[t] = [float(posture[name]) for name in self.robot.joint_names]
+            poses = [self._pose(e) for e in self._tasks.point[t] if e >= 0]
+            if self._references[t] is None:
+                self._set_reference(t, Constant(task.initial(poses, centre)))
+
+    def _set_reference(self, t: int, reference: Reference) -> None:
+        self._references[t] = reference
+        self._moving = [(k, one) for k, one in self._moving if k != t]
+        if isinstance(reference, Function):
+            self._moving.append((t, reference))
+        else:
+            reference.write(self._tasks.reference[t], 0.0)
+            if not np.isfinite(self._tasks.reference[t]).all():
+                raise OspaceError(f"the reference of task '{self.tasks[t].name}' is not finite")
+
+
+def _above_zero(name: str, value: float) -> float:
+    if not (isinstance(value, int | float) and 0.0 < value < np.inf):
+        raise OspaceError(f"{name} is {value!r}: give a finite number above 0")
+    return float(value)

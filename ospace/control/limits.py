@@ -1,0 +1,98 @@
+"""What joints and base must not pass."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from ospace.exceptions import OspaceError, closest
+from ospace.kernels.control import UNLIMITED
+from ospace.kernels.tables import Floats
+from ospace.robot import SpaceRobot
+
+
+@dataclass(frozen=True, eq=False)
+class JointLimits:
+    """Limits of all joints; ±infinity where there is none.
+
+    Attributes
+    ----------
+    torque : (n,)
+        To either side; N m, or N for prismatic joints.
+    lower, upper : (n,)
+        Positions; rad, or m.
+    velocity : (n,)
+        To either side; rad/s, or m/s.
+    acceleration : (n,)
+        To either side; rad/s², or m/s².
+    """
+
+    torque: Floats
+    lower: Floats
+    upper: Floats
+    velocity: Floats
+    acceleration: Floats
+
+    def __post_init__(self) -> None:
+        for name in ("torque", "velocity", "acceleration"):
+            if not (getattr(self, name) > 0.0).all():
+                raise OspaceError(f"{name} limits must all be above 0: {getattr(self, name)}")
+        if not (self.lower <= self.upper).all():
+            j = int(np.argmin(self.lower <= self.upper))
+            raise OspaceError(f"position limits of joint number {j} are {self.lower[j]} to {self.upper[j]}")
+
+    @classmethod
+    def of(
+        cls, robot: SpaceRobot, *, acceleration: float | Mapping[str, float] = math.inf, share: float = 1.0
+    ) -> JointLimits:
+        """Take the limits of the robot's model.
+
+        Parameters
+        ----------
+        robot : SpaceRobot
+            A torque or velocity limit of zero, as files without one have it, counts as none.
+        acceleration : float or mapping of joint name to float
+            URDF has none; rad/s², or m/s².
+        share : float
+            Of torques and velocities.
+
+        Raises
+        ------
+        OspaceError
+            An unknown joint, or a limit that is not above zero.
+        """
+        model, n = robot.model, robot.n_joints
+        most = np.full(n, math.inf)
+        if isinstance(acceleration, Mapping):
+            for name, value in acceleration.items():
+                if name not in robot.joint_names:
+                    raise OspaceError(f"acceleration limit: no joint '{name}'{closest(name, robot.joint_names)}")
+                most[robot.joint_names.index(name)] = value
+        else:
+            most[:] = acceleration
+        lower, upper = np.full(n, -math.inf), np.full(n, math.inf)
+        for j in range(2, model.njoints):
+            if model.nqs[j] == model.nvs[j] == 1:
+                lower[model.idx_vs[j] - 6] = model.lowerPositionLimit[model.idx_qs[j]]
+                upper[model.idx_vs[j] - 6] = model.upperPositionLimit[model.idx_qs[j]]
+        torque, velocity = (_positive(given[6:]) * share for given in (model.effortLimit, model.velocityLimit))
+        return cls(torque, _open(lower), _open(upper), velocity, most)
+
+
+def _positive(given: npt.ArrayLike) -> Floats:
+    values = _open(given)
+    return np.where(values > 0.0, values, math.inf)
+
+
+def _open(given: npt.ArrayLike) -> Floats:
+    values = np.asarray(given, dtype=np.float64)
+    return np.where(np.abs(values) < UNLIMITED, values, np.copysign(math.inf, values))
+
+
+def bounded(values: Floats) -> Floats:
+    """Return limits as kernels and solvers take them, ±`UNLIMITED` for infinite ones."""
+    return np.clip(values, -UNLIMITED, UNLIMITED)

@@ -1,0 +1,100 @@
+"""What a task follows: a pose that stays, one that moves from rest to rest, or any function of time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from ospace.exceptions import OspaceError
+from ospace.kernels import tasks as kernel
+from ospace.kernels.tables import Floats
+
+Moving = Callable[[float], tuple[pin.SE3, npt.ArrayLike, npt.ArrayLike]]
+
+
+@dataclass(frozen=True)
+class Constant:
+    """A pose that stays, or a velocity that does.
+
+    Attributes
+    ----------
+    pose : pin.SE3
+        Inertial axes; m.
+    velocity : (6,)
+        Linear first; for a momentum task the momentum: N s, N m s.
+    """
+
+    pose: pin.SE3
+    velocity: npt.ArrayLike = (0.0,) * 6
+
+    def write(self, row: Floats, time: float) -> None:
+        """Write the reference to a row of the kernel's table."""
+        _write_pose(row, self.pose)
+        row[kernel.VELOCITY : kernel.VELOCITY + 6] = self.velocity
+
+
+@dataclass(frozen=True)
+class MinimumJerk:
+    """From one pose to another by a quintic, at rest at both ends: a straight line and a turn about one axis.
+
+    Attributes
+    ----------
+    origin, goal : pin.SE3
+        Inertial axes; m.
+    start, duration : float
+        s. The reference rests at `origin` before, and at `goal` after.
+    """
+
+    origin: pin.SE3
+    goal: pin.SE3
+    start: float
+    duration: float
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.start) and 0.0 < self.duration < np.inf):
+            raise OspaceError(
+                f"motion from {self.start} s in {self.duration} s: give a finite start, a duration above 0"
+            )
+
+    def write(self, row: Floats, time: float) -> None:
+        """Write the reference to a row of the kernel's table."""
+        _write_pose(row, self.origin)
+        row[kernel.START], row[kernel.DURATION] = self.start, self.duration
+        row[kernel.WAY : kernel.WAY + 3] = self.goal.translation - self.origin.translation
+        row[kernel.TURNING : kernel.TURNING + 3] = pin.log3(self.goal.rotation @ self.origin.rotation.T)
+
+
+@dataclass(frozen=True)
+class Function:
+    """Any motion, with feed-forward.
+
+    Attributes
+    ----------
+    motion : callable
+        Returns for a time (s) the pose (pin.SE3), velocity (6,) and classical acceleration (6,); inertial axes,
+        linear first, at the point.
+    """
+
+    motion: Moving
+
+    def write(self, row: Floats, time: float) -> None:
+        """Write the reference at `time` to a row of the kernel's table."""
+        pose, velocity, acceleration = self.motion(time)
+        _write_pose(row, pose)
+        row[kernel.VELOCITY : kernel.VELOCITY + 6] = velocity
+        row[kernel.ACCELERATION : kernel.ACCELERATION + 6] = acceleration
+        if not np.isfinite(row).all():
+            raise OspaceError(f"a reference is not finite at {time} s")
+
+
+Reference = Constant | MinimumJerk | Function
+
+
+def _write_pose(row: Floats, pose: pin.SE3) -> None:
+    row[:] = 0.0
+    row[kernel.PLACE : kernel.PLACE + 3] = pose.translation
+    row[kernel.TURN : kernel.TURN + 9] = pose.rotation.ravel(order="F")

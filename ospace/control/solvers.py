@@ -1,0 +1,67 @@
+"""Solvers of the quadratic program: DAQP, ProxQP, and every back-end of qpsolvers by its name."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+
+import numpy as np
+
+from ospace.exceptions import OspaceError, closest
+from ospace.kernels.control import UNLIMITED, Program
+from ospace.kernels.tables import Floats
+
+Solver = Callable[[Program], Floats | None]
+"""Returns z, or None where there is no solution."""
+_TOLERANCE = 1e-9
+
+
+def solver_named(name: str) -> Solver:
+    """Return the solver of that name; raise `OspaceError` where it is unknown or not installed."""
+    if name == "daqp":
+        return _daqp
+    if name == "proxqp":
+        return _proxqp
+    import qpsolvers
+
+    known = ["daqp", "proxqp", *qpsolvers.dense_solvers]
+    if name not in known:
+        raise OspaceError(f"solver '{name}' is unknown, or not installed{closest(str(name), known)}")
+    return lambda program: _by_qpsolvers(program, name)
+
+
+def _daqp(program: Program) -> Floats | None:
+    import daqp
+
+    z, _, flag, _ = daqp.solve(program.H, program.f, program.C, program.upper, program.lower, primal_tol=_TOLERANCE)
+    return np.asarray(z) if flag > 0 else None
+
+
+def _proxqp(program: Program) -> Floats | None:
+    from proxsuite import proxqp
+
+    size, rows = len(program.f), len(program.C)
+    lower, upper = (np.clip(bound, -1e20, 1e20) for bound in (program.lower, program.upper))
+    qp = proxqp.dense.QP(size, 0, rows, True)
+    qp.settings.eps_abs, qp.settings.eps_rel, qp.settings.max_iter = _TOLERANCE, 0.0, 1000
+    qp.init(program.H, program.f, None, None, program.C, lower[size:], upper[size:], lower[:size], upper[:size])
+    qp.solve()
+    return np.asarray(qp.results.x) if qp.results.info.status == proxqp.QPSolverOutput.PROXQP_SOLVED else None
+
+
+def _by_qpsolvers(program: Program, name: str) -> Floats | None:
+    import qpsolvers
+
+    rows = np.vstack([np.eye(len(program.f)), program.C])
+    equal = program.upper <= program.lower  # as two inequalities, some solvers would find these contradictory
+    above, below = ~equal & (program.upper < UNLIMITED), ~equal & (program.lower > -UNLIMITED)
+    G = np.vstack([rows[above], -rows[below]])
+    h = np.concatenate([program.upper[above], -program.lower[below]])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # on formats, and on problems without a solution, which is told here
+        problem = qpsolvers.Problem(program.H, program.f, G, h, rows[equal], program.upper[equal])
+        try:
+            found = qpsolvers.solve_problem(problem, name)
+        except (qpsolvers.exceptions.QPError, ValueError):
+            return None
+    return found.x if found.found else None

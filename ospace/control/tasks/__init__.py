@@ -1,0 +1,28 @@
+"""Tasks, one file each."""
+
+from ospace.control.tasks.base_attitude import BaseAttitudeTask
+from ospace.control.tasks.centre_of_mass import CentreOfMassTask
+from ospace.control.tasks.damping import DampingTask
+from ospace.control.tasks.look_at import LookAtTask
+from ospace.control.tasks.momentum import MomentumTask
+from ospace.control.tasks.orientation import OrientationTask
+from ospace.control.tasks.pose import PoseTask
+from ospace.control.tasks.position import PositionTask
+from ospace.control.tasks.posture import PostureTask
+from ospace.control.tasks.relative_pose import RelativePoseTask
+from ospace.control.tasks.task import Completion, Task
+
+__all__ = [
+    "BaseAttitudeTask",
+    "CentreOfMassTask",
+    "Completion",
+    "DampingTask",
+    "LookAtTask",
+    "MomentumTask",
+    "OrientationTask",
+    "PoseTask",
+    "PositionTask",
+    "PostureTask",
+    "RelativePoseTask",
+    "Task",
+]

@@ -1,0 +1,36 @@
+"""The centre of mass follows a place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import pinocchio as pin
+
+from ospace.control.tasks.task import Task, chosen
+from ospace.kernels import tasks as kernel
+from ospace.points import Axes
+from ospace.robot import SpaceRobot
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CentreOfMassTask(Task):
+    """The centre of mass follows the place of the reference: by forces on the base, since joints do not move it.
+
+    Attributes
+    ----------
+    axes : "all", "linear" or six booleans
+    """
+
+    axes: Axes = "linear"
+
+    kind: ClassVar[int] = kernel.CENTRE_OF_MASS
+
+    def rows(self, robot: SpaceRobot) -> list[int]:
+        """Which of x, y, z."""
+        return chosen(self.name, self.axes, (0, 1, 2))
+
+    def initial(self, poses: list[pin.SE3], mass_centre: np.ndarray) -> pin.SE3:
+        """Return where it is."""
+        return pin.SE3(np.eye(3), mass_centre)

@@ -1,0 +1,56 @@
+"""An axis of a point looks at a place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import pinocchio as pin
+
+from ospace.control.tasks.task import Task
+from ospace.exceptions import OspaceError
+from ospace.kernels import tasks as kernel
+from ospace.points import OperationalPoint
+from ospace.robot import SpaceRobot
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LookAtTask(Task):
+    """An axis of a point looks at the place of the reference: two rows, turns across the line of sight.
+
+    Attributes
+    ----------
+    point : OperationalPoint
+    axis : (3,)
+        What looks, in the point's axes; of any length but zero.
+    """
+
+    point: OperationalPoint
+    axis: tuple[float, float, float] = (1.0, 0.0, 0.0)
+
+    kind: ClassVar[int] = kernel.LOOK_AT
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        axis = np.asarray(self.axis, dtype=np.float64)
+        if axis.shape != (3,) or not np.isfinite(axis).all() or not np.any(axis):
+            raise OspaceError(f"task '{self.name}': axis {self.axis!r}: give three finite numbers, not all zero")
+
+    @property
+    def points(self) -> tuple[OperationalPoint, ...]:
+        """What looks."""
+        return (self.point,)
+
+    def rows(self, robot: SpaceRobot) -> list[int]:
+        """Two turns."""
+        return [3, 4]
+
+    def row_names(self, robot: SpaceRobot) -> list[str]:
+        """Names of the rows."""
+        return [f"{self.name}.across_1", f"{self.name}.across_2"]
+
+    def initial(self, poses: list[pin.SE3], mass_centre: np.ndarray) -> pin.SE3:
+        """Return a place 1 m ahead."""
+        axis = np.asarray(self.axis) / np.linalg.norm(self.axis)
+        return pin.SE3(np.eye(3), poses[0].act(axis))

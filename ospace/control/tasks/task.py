@@ -1,0 +1,111 @@
+"""What all tasks have in common."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import pinocchio as pin
+
+from ospace.control.references import Constant, Function, MinimumJerk, Reference
+from ospace.exceptions import OspaceError
+from ospace.points import ROW_NAMES, Axes, OperationalPoint, parse_axes
+from ospace.robot import SpaceRobot
+
+
+@dataclass(frozen=True)
+class Completion:
+    """When a task counts as done: all errors below their bounds for some time without a break.
+
+    Attributes
+    ----------
+    position : float
+        Largest norm of the linear rows' error: m.
+    angle : float
+        Largest norm of the angular rows' error, or the largest error of a joint: rad (m for prismatic joints).
+    hold : float
+        s.
+    """
+
+    position: float = math.inf
+    angle: float = math.inf
+    hold: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (self.position > 0.0 and self.angle > 0.0 and 0.0 <= self.hold < math.inf):
+            raise OspaceError(f"{self}: bounds must be above 0, and the time to hold finite")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Task:
+    """What a controller is to do; errors fall as those of a spring with a damper.
+
+    Attributes
+    ----------
+    name : str
+        Its name in a `Command`.
+    stiffness : float
+        k, 1/s²: the error's natural frequency is √k rad/s.
+    damping_ratio : float
+        ζ; 1 is critically damped. The error's damping is 2 ζ √k, 1/s.
+    weight : float
+        How much the squared residual of a row counts, beside other tasks of no strict level.
+    level : int, optional
+        Strict level, the smallest first: tasks of a level cost those above it nothing. Tasks without one come last.
+    completion : Completion, optional
+    reference : Constant, MinimumJerk or Function, optional
+        What to follow; for most tasks, what is there at the first cycle if it is left out.
+    """
+
+    name: str
+    stiffness: float = 25.0
+    damping_ratio: float = 1.0
+    weight: float = 1.0
+    level: int | None = None
+    completion: Completion | None = None
+    reference: Reference | None = None
+
+    kind: ClassVar[int]
+
+    def __post_init__(self) -> None:
+        for name in ("stiffness", "damping_ratio", "weight"):
+            value = getattr(self, name)
+            if not (isinstance(value, int | float) and 0.0 <= value < math.inf):
+                raise OspaceError(f"task '{self.name}': {name} is {value!r}: give a finite number from 0 on")
+        if self.level is not None and not isinstance(self.level, int):
+            raise OspaceError(f"task '{self.name}': level is {self.level!r}: give a whole number, or None")
+        if self.reference is not None and not isinstance(self.reference, Constant | MinimumJerk | Function):
+            given = f"task '{self.name}': reference is {self.reference!r}"
+            raise OspaceError(f"{given}: give a Constant, a MinimumJerk or a Function")
+
+    @property
+    def gain(self) -> tuple[float, float]:
+        """Stiffness k (1/s²) and damping 2 ζ √k (1/s)."""
+        return self.stiffness, 2.0 * self.damping_ratio * math.sqrt(self.stiffness)
+
+    @property
+    def points(self) -> tuple[OperationalPoint, ...]:
+        """Points that the task is about."""
+        return ()
+
+    def rows(self, robot: SpaceRobot) -> list[int]:
+        """Which of six components, or which joints, the rows are."""
+        raise NotImplementedError
+
+    def row_names(self, robot: SpaceRobot) -> list[str]:
+        """Names of the rows."""
+        return [f"{self.name}.{ROW_NAMES[row]}" for row in self.rows(robot)]
+
+    def initial(self, poses: list[pin.SE3], mass_centre: np.ndarray) -> pin.SE3:
+        """Return the pose to hold where there is no reference, of the poses of `points` in the first cycle."""
+        return poses[0] if poses else pin.SE3.Identity()
+
+
+def chosen(task: str, axes: Axes, offered: tuple[int, ...]) -> list[int]:
+    """Return the rows of `offered` that `axes` takes; raise where it takes none."""
+    rows = [row for row, taken in enumerate(parse_axes(axes)) if taken and row in offered]
+    if not rows:
+        raise OspaceError(f"task '{task}': axes {axes!r} takes none of its rows")
+    return rows
