@@ -40,12 +40,14 @@ if TYPE_CHECKING:
     from ospace.robot import SpaceRobot as SpaceRobot
     from ospace.simulation.simulate import simulate as simulate
     from ospace.state import State as State
+    from ospace.urdf.source import Limits as Limits
 
 __version__ = "0.1.0"
 
 _HOME = {
     "SpaceRobot": "robot",
     "State": "state",
+    "Limits": "urdf.source",
     "OperationalPoint": "points",
     "momentum": "dynamics.joint_space",
     "joint_space_dynamics": "dynamics.joint_space",

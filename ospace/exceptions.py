@@ -23,12 +23,16 @@ class UrdfError(OspaceError):
     ----------
     path : Path
         The file.
+    code : str
+        Stable name of the reason; ``ospace check --explain CODE`` tells more.
+    line : int or None
+        Line of the file, counted from 1.
     """
 
-    def __init__(self, path: Path, reason: str) -> None:
-        super().__init__(f"{path}: {reason}")
-        self.path = path
-        self.reason = reason
+    def __init__(self, path: Path, reason: str, code: str, line: int | None = None) -> None:
+        where = "" if line is None else f"line {line}: "
+        super().__init__(f"{path}: {where}{reason} [{code}]")
+        self.path, self.reason, self.code, self.line = path, reason, code, line
 
 
 class ScenarioError(OspaceError):
@@ -119,10 +123,13 @@ class DependentRowsError(OspaceError):
         )
 
 
+_COMPARED = 100  # characters: to compare two names takes their product
+
+
 def closest(name: str, choices: Iterable[str]) -> str:
     """Return ``; did you mean 'x'?`` for an unknown `name`, or the choices where nothing is near."""
-    known = sorted(set(choices))
-    near = difflib.get_close_matches(name, known, n=3)
+    known = sorted(choice for choice in set(choices) if len(choice) <= _COMPARED)
+    near = difflib.get_close_matches(name[:_COMPARED], known, n=3)
     if near:
         return "; did you mean " + " or ".join(f"'{one}'" for one in near) + "?"
     shown = ", ".join(known[:12]) + (f", … ({len(known)} in all)" if len(known) > 12 else "")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from ospace.joint_axis import joint_axis
 from ospace.kernels.kinematics import CONTINUOUS, PRISMATIC, REVOLUTE, Joints
 from ospace.kernels.memory import Robot
 from ospace.kernels.propagated import Nodes
@@ -35,7 +36,7 @@ def link_frames(model: pin.Model, links: Links) -> LinkFrames | None:
     kinds = _kinds(model)
     if kinds is None:
         return None
-    axes = [np.eye(3), np.eye(3)] + [_turn_z_to(_axis(joint)) for joint in list(model.joints)[2:]]
+    axes = [np.eye(3), np.eye(3)] + [_turn_z_to(joint_axis(joint)) for joint in list(model.joints)[2:]]
     return LinkFrames(_joints(model, links, kinds, axes), axes)
 
 
@@ -55,19 +56,9 @@ def _kinds(model: pin.Model) -> list[int] | None:
     return [kinds[name] for name in names] if all(name in kinds for name in names) else None
 
 
-def _axis(joint: pin.JointModel) -> Floats:
-    """Return the axis of a joint of one degree of freedom, in its own frame: what of its column is not zero."""
-    data = joint.createData()
-    q = np.zeros(joint.idx_q + joint.nq)
-    q[joint.idx_q] = 1.0 if joint.nq == 2 else 0.0
-    joint.calc(data, q)
-    column = np.asarray(data.S).ravel()
-    axis = column[3:] if np.abs(column[3:]).max() > 0.0 else column[:3]
-    return np.asarray(axis / np.linalg.norm(axis))
-
-
 def _turn_z_to(axis: Floats) -> Floats:
-    """Return a rotation whose third column is `axis`."""
+    """Return a rotation whose third column is along `axis`."""
+    axis = axis / np.linalg.norm(axis)
     aside = np.eye(3)[np.argmin(np.abs(axis))]
     x = np.cross(aside, axis)
     x /= np.linalg.norm(x)

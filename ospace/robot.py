@@ -20,8 +20,10 @@ from ospace.link_frames import LinkFrames, link_frames
 from ospace.pinocchio_pass import PinocchioPass
 from ospace.points import Axes, OperationalPoint, parse_axes
 from ospace.state import State
-from ospace.urdf import findings, reader
-from ospace.urdf.findings import Finding
+from ospace.urdf import inertia, reader
+from ospace.urdf.description import Description
+from ospace.urdf.findings import Finding, any_error
+from ospace.urdf.source import Limits
 
 _BASE_NV, _BASE_NQ = 6, 7
 
@@ -37,9 +39,11 @@ class SpaceRobot:
         Pinocchio's model; joint 1 is the free-flyer, gravity is zero.
     name : str
     findings : tuple of Finding
-        What is odd about it: warnings only, a robot with errors is refused.
+        What is odd about it: warnings and infos, as a robot with errors is refused.
     source : Path or None
         The URDF it was read from.
+    description : Description or None
+        Links, joints and shapes as the URDF has them.
     package_dirs : tuple of Path
         Where ``package://`` names of meshes are looked up.
     """
@@ -50,23 +54,29 @@ class SpaceRobot:
         known: Iterable[Finding] = (),
         *,
         source: Path | None = None,
-        package_dirs: Iterable[str | PathLike[str]] = (),
+        description: Description | None = None,
+        package_dirs: Iterable[Path] = (),
     ) -> None:
-        _check_floating_base(model)
         self.model = model
         self.model.gravity = pin.Motion.Zero()
         self.name: str = model.name
         self.source = source
-        self.package_dirs = tuple(Path(folder) for folder in package_dirs)
-        self.findings = findings.without_repetition([*known, *findings.of_model(model)])
-        if any(finding.severity == "error" for finding in self.findings):
-            raise UnsoundModelError(self.name, self.findings)
+        self.description = description
+        self.package_dirs = tuple(package_dirs)
+        self.findings = tuple(known)
         self.links = _links(model)
         self.link_of_joint: npt.NDArray[np.int64] = _last_links(model)
         self._local = threading.local()
 
     @classmethod
-    def from_urdf(cls, path: str | PathLike[str], package_dirs: Sequence[str | PathLike[str]] = ()) -> SpaceRobot:
+    def from_urdf(
+        cls,
+        path: str | PathLike[str],
+        package_dirs: Sequence[str | PathLike[str]] = (),
+        *,
+        free_mimic: bool = False,
+        limits: Limits | None = None,
+    ) -> SpaceRobot:
         """Read a robot from a URDF; its root link becomes the freely floating base.
 
         Parameters
@@ -75,21 +85,27 @@ class SpaceRobot:
             The file.
         package_dirs : sequence of path-like
             Folders in which ``package://`` mesh names are looked up; dynamics need none.
+        free_mimic : bool
+            Take joints that mimic others as independent ones, with a warning each; else they are an error.
+        limits : ospace.Limits, optional
+            How large file and robot may be; 20 MB, 2000 links and 150 degrees of freedom without it.
 
         Raises
         ------
         UrdfError
-            The file is missing, is no URDF, or Pinocchio rejects it.
+            The file is missing, is no URDF, or its links are no tree.
         UnsoundModelError
-            The inertias make no physical sense, such as a base without mass.
+            A number cannot be read, or the inertias make no physical sense, such as a base without mass.
 
         Notes
         -----
-        Fixed joints are merged. A ``mimic`` joint is an independent joint here: its coupling is not enforced.
+        Fixed joints are merged. Each code of a finding is explained in ``docs/findings.md``.
         """
-        file = Path(path)
-        reading = reader.read(file)
-        return cls(reading.model, reading.findings, source=file, package_dirs=package_dirs)
+        file, folders = Path(path), [Path(folder) for folder in package_dirs]
+        reading = reader.read(file, package_dirs=folders, limits=limits, free_mimic=free_mimic)
+        if reading.model is None:
+            raise UnsoundModelError(reading.description.name, reading.findings)
+        return cls(reading.model, reading.findings, source=file, description=reading.description, package_dirs=folders)
 
     @classmethod
     def from_model(cls, model: pin.Model) -> SpaceRobot:
@@ -102,7 +118,11 @@ class SpaceRobot:
         UnsoundModelError
             The inertias make no physical sense.
         """
-        return cls(pin.Model(model))
+        _check_floating_base(model)
+        found = inertia.of_model(model)
+        if any_error(found):
+            raise UnsoundModelError(model.name, found)
+        return cls(pin.Model(model), found)
 
     # -- what it is ------------------------------------------------------------------------------------------
 

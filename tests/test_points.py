@@ -41,7 +41,7 @@ def load(folder, *joints):
     for name, child, parent, xyz, kind in joints:
         text += (
             f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
-            f'<origin xyz="{xyz}"/><axis xyz="0 1 0"/></joint>'
+            f'<origin xyz="{xyz}"/><axis xyz="{"0 0 1" if kind == "planar" else "0 1 0"}"/></joint>'
         )
     file = folder / "robot.urdf"
     file.write_text(f'<robot name="made">{text}</robot>')

@@ -31,10 +31,11 @@ JOINT_TYPES = {
 }
 
 
-def _unbounded(axis: np.ndarray) -> pin.JointModelRevoluteUnboundedUnaligned:
-    joint = pin.JointModelRevoluteUnboundedUnaligned()
-    joint.axis = axis
-    return joint
+def _unbounded(axis: np.ndarray) -> pin.JointModel:
+    """Pinocchio's bindings take no axis for this joint, its URDF parser does."""
+    described = f"""<robot name="one"><link name="a"/><link name="b"/><joint name="j" type="continuous">
+        <parent link="a"/><child link="b"/><axis xyz="{axis[0]:.17g} {axis[1]:.17g} {axis[2]:.17g}"/></joint></robot>"""
+    return pin.buildModelFromXML(described).joints[1]
 
 
 def _composite() -> pin.JointModelComposite:

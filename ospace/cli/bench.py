@@ -31,6 +31,7 @@ def add_to(verbs: Any) -> None:
     )
     verb.add_argument("--points", metavar="N", type=_count, help="at most N operational points at once (default: 6)")
     verb.add_argument("--seconds", metavar="S", type=_seconds, default=1.0, help="time for each row (default: 1)")
+    verb.add_argument("--free-mimic", action="store_true", help="release the coupling of mimic joints")
     verb.add_argument("--json", action="store_true", help="print one JSON document instead of tables")
     verb.add_argument("--plot", metavar="FILE", type=_plot, help="write a plot: .svg, .png or .pdf")
     verb.set_defaults(run=run)
@@ -71,7 +72,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     if given.plot:
         plot.require()
         given.plot.open("ab").close()  # whether it can be written, before anything is measured
-    robot = SpaceRobot.from_urdf(find(given.urdf))
+    robot = SpaceRobot.from_urdf(find(given.urdf), free_mimic=given.free_mimic)
     with progress.bar(given, "comparing results", 1):
         plan = report.prepare(robot, given.points)
     with progress.bar(given, "timing", plan.turns) as advance:

@@ -11,10 +11,19 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
+    from ospace.urdf.source import Limits
     from ospace.validation.report import ModelFacts, Report
 
 _PIPE_WIDTH = 200
-_COLOURS = {"agrees": "green", "differs": "bold red", "undecided": "yellow", "error": "bold red", "warning": "yellow"}
+_MOST_POINTS = 50  # unless points are given: their matrices grow with the square of their number
+_COLOURS = {
+    "agrees": "green",
+    "differs": "bold red",
+    "undecided": "yellow",
+    "error": "bold red",
+    "warning": "yellow",
+    "info": "cyan",
+}
 
 
 def add_to(verbs: Any) -> None:
@@ -26,9 +35,12 @@ def add_to(verbs: Any) -> None:
         "over random states. Exit status: 0 sound, 1 findings of level error, 2 unreadable input, unwritable output or "
         "wrong usage, 130 interrupted.",
     )
-    verb.add_argument("urdf", metavar="URDF", help="a file, or the name of a robot that comes with ospace")
+    verb.add_argument("urdf", metavar="URDF", nargs="?", help="a file, or the name of a robot that comes with ospace")
     verb.add_argument(
-        "--point", metavar="FRAME", action="append", help="operational point; repeatable (default: the leaf links)"
+        "--point",
+        metavar="FRAME",
+        action="append",
+        help="operational point; repeatable (default: the first 50 leaf links)",
     )
     verb.add_argument("--samples", metavar="N", type=_count, default=20, help="random states (default: %(default)s)")
     verb.add_argument("--seed", metavar="S", type=_seed, default=0, help="seed of the states (default: %(default)s)")
@@ -36,12 +48,24 @@ def add_to(verbs: Any) -> None:
     verb.add_argument(
         "--package-dir", metavar="DIR", action="append", default=[], help="where package:// names are looked up"
     )
-    verb.set_defaults(run=run)
+    verb.add_argument("--free-mimic", action="store_true", help="take joints that mimic others as independent ones")
+    for name, what in (("bytes", "bytes of the file"), ("links", "links"), ("dof", "degrees of freedom")):
+        verb.add_argument(f"--max-{name}", metavar="N", type=_limit, help=f"{what} that are read at most")
+    other = verb.add_mutually_exclusive_group()
+    other.add_argument("--fix", metavar="OUT", help="write a repaired copy of URDF, and check nothing")
+    other.add_argument("--explain", metavar="CODE", help="tell what there is to know of a finding, and check nothing")
+    verb.set_defaults(run=run, refuse_usage=verb.error)
 
 
 def _count(text: str) -> int:
     if not text.isdecimal() or not 1 <= int(text) <= 100_000:
         raise argparse.ArgumentTypeError(f"'{text}' is not a number of states from 1 to 100000")
+    return int(text)
+
+
+def _limit(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number from 1 on")
     return int(text)
 
 
@@ -53,6 +77,18 @@ def _seed(text: str) -> int:
 
 def run(given: argparse.Namespace) -> tuple[int, str]:
     """Check; return the exit status and the text to print."""
+    if given.json and (given.fix is not None or given.explain is not None):
+        given.refuse_usage("--json tells of a check: give it without --fix and --explain")
+    if given.explain is not None:
+        from ospace.urdf import explain
+
+        return 0, explain.text(given.explain)
+    if given.urdf is None:
+        given.refuse_usage("give a URDF, or a code with --explain")
+    return _fix(given) if given.fix is not None else _check(given)
+
+
+def _check(given: argparse.Namespace) -> tuple[int, str]:
     from ospace.cli import progress
     from ospace.cli.main import EXIT_FINDINGS, find
     from ospace.exceptions import OspaceError, UnsoundModelError
@@ -63,15 +99,40 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
         if not Path(folder).is_dir():
             raise OspaceError(f"--package-dir {folder}: no such folder")
     try:
-        robot = SpaceRobot.from_urdf(find(given.urdf), given.package_dir)
+        robot = SpaceRobot.from_urdf(
+            find(given.urdf), given.package_dir, free_mimic=given.free_mimic, limits=_limits(given)
+        )
     except UnsoundModelError as error:
         result = report.Report(None, error.findings, seed=given.seed)
     else:
-        points = [robot.point(name) for name in given.point or robot.leaf_links]
+        points = [robot.point(name) for name in given.point or robot.leaf_links[:_MOST_POINTS]]
         with progress.bar(given, "comparing states", given.samples) as advance:
             result = report.check(robot, points, samples=given.samples, seed=given.seed, progress=advance)
     text = json.dumps(result.as_dict(), indent=2, allow_nan=False) + "\n" if given.json else _text(result, given.urdf)
     return EXIT_FINDINGS if result.errors else 0, text
+
+
+def _fix(given: argparse.Namespace) -> tuple[int, str]:
+    from ospace.cli.main import EXIT_FINDINGS, find
+    from ospace.urdf import reader, repair
+
+    limits, out = _limits(given), Path(given.fix)
+    changes = repair.write(find(given.urdf), out, limits)
+    if not changes:
+        return 0, f"nothing to repair: {out} was not written\n"
+    left = reader.read(out, limits=limits, free_mimic=given.free_mimic).findings
+    errors = sum(finding.severity == "error" for finding in left)
+    lines = [str(change) for change in changes]
+    lines.append(f"wrote {out}: {_number(len(changes), 'change')}, {_number(errors, 'error')} left")
+    return EXIT_FINDINGS if errors else 0, "\n".join(lines) + "\n"
+
+
+def _limits(given: argparse.Namespace) -> Limits:
+    """Return the limits, raised where the command says so."""
+    from ospace.urdf.source import Limits
+
+    raised = {name: getattr(given, f"max_{name}") for name in ("bytes", "links", "dof")}
+    return Limits(**{name: value for name, value in raised.items() if value is not None})
 
 
 # -- what people read --------------------------------------------------------------------------------------------
@@ -97,8 +158,9 @@ def _show(console: Console, result: Report, urdf: str) -> None:
         console.print("Findings", style="bold")
         for finding in result.findings:
             mark = f"[{_COLOURS.get(finding.severity, '')}]{finding.severity:8}[/]"
-            console.print(f"  {mark} {finding.code}: {_plain(finding.subject)}: {_plain(finding.message)}")
-            console.print(f"           {_plain(finding.remedy)}")
+            console.print(f"  {mark} {finding.code}: {_plain(finding.place)}: {_plain(finding.message)}")
+            if finding.severity != "info":
+                console.print(f"           {_plain(finding.remedy)}")
     if result.agreement:
         console.print()
         console.print(_agreement(result, console.is_terminal))

@@ -52,14 +52,14 @@ def _proxqp(program: Program) -> Floats | None:
 def _by_qpsolvers(program: Program, name: str) -> Floats | None:
     import qpsolvers
 
-    size = len(program.f)
-    lower, upper = (np.where(np.abs(x) < UNLIMITED, x, np.copysign(np.inf, x)) for x in (program.lower, program.upper))
-    above, below = np.isfinite(upper[size:]), np.isfinite(lower[size:])
-    G = np.vstack([program.C[above], -program.C[below]])
-    h = np.concatenate([upper[size:][above], -lower[size:][below]])
+    rows = np.vstack([np.eye(len(program.f)), program.C])
+    equal = program.upper <= program.lower  # as two inequalities, some solvers would find these contradictory
+    above, below = ~equal & (program.upper < UNLIMITED), ~equal & (program.lower > -UNLIMITED)
+    G = np.vstack([rows[above], -rows[below]])
+    h = np.concatenate([program.upper[above], -program.lower[below]])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # on formats, and on problems without a solution, which is told here
-        problem = qpsolvers.Problem(program.H, program.f, G, h, lb=lower[:size], ub=upper[:size])
+        problem = qpsolvers.Problem(program.H, program.f, G, h, rows[equal], program.upper[equal])
         try:
             found = qpsolvers.solve_problem(problem, name)
         except (qpsolvers.exceptions.QPError, ValueError):

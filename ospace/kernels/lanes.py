@@ -48,8 +48,17 @@ def inlined(function: Function) -> Function:
 
 def entry(function: Function) -> Function:
     """Compile `function` for calls from Python, with the result kept on disk."""
+    return _compiled(function, nogil=False)
+
+
+def entry_for_threads(function: Function) -> Function:
+    """Compile as `entry` does, for calls that take long: others may run meanwhile, which costs 60 ns."""
+    return _compiled(function, nogil=True)
+
+
+def _compiled(function: Function, nogil: bool) -> Function:
     with cache.keyed_on_sources() as writable:
-        compiled: Any = numba.njit(cache=writable, nogil=True, **_OPTIONS)(function)
+        compiled: Any = numba.njit(cache=writable, nogil=nogil, **_OPTIONS)(function)
     if hasattr(compiled, "compile"):  # not there where kernels run interpreted
         compiled.compile = _compiling_as_we_like(compiled, compiled.compile)
     return cast(Function, compiled)

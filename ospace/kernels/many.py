@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ospace.kernels.evaluation import run, verdict
-from ospace.kernels.lanes import Number, entry, inlined
+from ospace.kernels.lanes import Number, entry_for_threads, inlined
 from ospace.kernels.memory import UNIT, Wide, open_index, open_robot, open_table, open_work, place_of
 from ospace.kernels.simd import zeros
 from ospace.kernels.tables import Floats, Ints
@@ -90,19 +90,19 @@ def evaluate_lanes(Q: Floats, V: Floats, memory: Floats, number: Number, lanes: 
             )
 
 
-@entry
+@entry_for_threads
 def evaluate_8(Q: Floats, V: Floats, memory: Floats, out: Results) -> None:
     """Evaluate many states, eight at a time."""
     evaluate_lanes(Q, V, memory, zeros(8), 8, out)
 
 
-@entry
+@entry_for_threads
 def evaluate_4(Q: Floats, V: Floats, memory: Floats, out: Results) -> None:
     """Evaluate many states, four at a time."""
     evaluate_lanes(Q, V, memory, zeros(4), 4, out)
 
 
-@entry
+@entry_for_threads
 def evaluate_2(Q: Floats, V: Floats, memory: Floats, out: Results) -> None:
     """Evaluate many states, two at a time."""
     evaluate_lanes(Q, V, memory, zeros(2), 2, out)

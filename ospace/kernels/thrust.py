@@ -45,3 +45,31 @@ def add_velocity(Q: Floats, velocity: Floats, V: Floats) -> None:
         seen = to_base_axes(Q[k], (velocity[0], velocity[1], velocity[2]))
         for i in range(3):
             V[k, i] += seen[i]
+
+
+@entry
+def push_point(T: Floats, p: Floats, F: Floats, on_joint: Floats, rate: Floats) -> None:
+    """Add the wrench `F` (6,), inertial axes, to `on_joint` (6,), in the joint's frame, and to `rate` (6,).
+
+    It acts at `p`, seen from the joint's frame, which stands at `T` (4, 4).
+    """
+    for i in range(3):
+        on_joint[i] += T[0, i] * F[0] + T[1, i] * F[1] + T[2, i] * F[2]
+        on_joint[3 + i] += T[0, i] * F[3] + T[1, i] * F[4] + T[2, i] * F[5]
+        rate[i] += F[i]
+        rate[3 + i] += F[3 + i]
+    f = (
+        T[0, 0] * F[0] + T[1, 0] * F[1] + T[2, 0] * F[2],
+        T[0, 1] * F[0] + T[1, 1] * F[1] + T[2, 1] * F[2],
+        T[0, 2] * F[0] + T[1, 2] * F[1] + T[2, 2] * F[2],
+    )
+    r = (
+        T[0, 0] * p[0] + T[0, 1] * p[1] + T[0, 2] * p[2] + T[0, 3],
+        T[1, 0] * p[0] + T[1, 1] * p[1] + T[1, 2] * p[2] + T[1, 3],
+        T[2, 0] * p[0] + T[2, 1] * p[1] + T[2, 2] * p[2] + T[2, 3],
+    )
+    about_joint = cross((p[0], p[1], p[2]), f)
+    about_origin = cross(r, (F[0], F[1], F[2]))
+    for i in range(3):
+        on_joint[3 + i] += about_joint[i]
+        rate[3 + i] += about_origin[i]

@@ -22,6 +22,7 @@ from ospace.exceptions import OspaceError
 from ospace.kernels.tables import Floats
 
 _TERMS = 13
+_LOG_OF_ROUNDING = math.log(1e-17)
 _BERNOULLI = (1, -1 / 2, 1 / 6, 0, -1 / 30, 0, 1 / 42, 0, -1 / 30, 0, 5 / 66, 0, -691 / 2730)
 
 EXP = np.array([(-1) ** k / math.factorial(k + 1) for k in range(_TERMS)])
@@ -71,9 +72,17 @@ def _entries(model: pin.Model, j: int) -> tuple[tuple[int, int, int, int], ...]:
     return _GROUPS.get(kind, ())
 
 
-def series(coefficients: Floats, A: Floats, x: Floats) -> Floats:
-    """Return Σ c_k Aᵏ x."""
-    y: Floats = coefficients[-1] * x
-    for c in coefficients[-2::-1]:
+def terms_of(u: Floats) -> int:
+    """Return how many terms of a series of ad_u count: no row of ad_u sums to more than four numbers of u."""
+    size = 4.0 * float(np.abs(u).max())
+    if not 0.0 < size < 1.0:
+        return _TERMS
+    return min(_TERMS, 2 + math.ceil(_LOG_OF_ROUNDING / math.log(size)))
+
+
+def series(coefficients: Floats, A: Floats, x: Floats, terms: int = _TERMS) -> Floats:
+    """Return Σ c_k Aᵏ x, of as many `terms`."""
+    y: Floats = coefficients[terms - 1] * x
+    for c in coefficients[: terms - 1][::-1]:
         y = A @ y + c * x
     return y

@@ -9,6 +9,7 @@ L is the angular momentum about the origin of the frame in which q stands.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -18,7 +19,7 @@ import pinocchio as pin
 from ospace.checks import checked_vector
 from ospace.exceptions import OspaceError
 from ospace.kernels.tables import Floats
-from ospace.kernels.thrust import push_base
+from ospace.kernels.thrust import push_base, push_point
 from ospace.points import OperationalPoint, point_set
 from ospace.robot import SpaceRobot
 from ospace.simulation.actuation import Command
@@ -45,13 +46,25 @@ class Plant:
         self.tau = np.zeros(robot.nv)
         self.torque = self.tau[6:]
         self._base = np.zeros((2, 6))
+        self._flat = self._base.ravel()
         self.base_wrench, self.wheel_torque = self._base[0], self._base[1, 3:]
         self.impulse_rate = np.zeros(6)
         self._pushed = False
-        self._external = [(point, _function(point, wrench)) for point, wrench in (wrenches or {}).items()]
+        functions = {point: _function(point, wrench) for point, wrench in (wrenches or {}).items()}
+        self._external = bool(functions)
         if self._external:
-            point_set(robot, [point for point, _ in self._external])
-        self._joints = sorted({point.joint for point, _ in self._external})
+            point_set(robot, list(functions))
+        self._joints = sorted({point.joint for point in functions})
+        self._on_joints = np.zeros((len(self._joints), 6))
+        self._pushes = [
+            (
+                point.joint,
+                point.placement.translation.copy(),
+                self._on_joints[self._joints.index(point.joint)],
+                function,
+            )
+            for point, function in functions.items()
+        ]
         self._fext = pin.StdVec_Force()
         self._fext.extend([pin.Force.Zero()] * self.model.njoints)
         self._rotor = self.model.armature.copy()
@@ -79,9 +92,10 @@ class Plant:
                     f"with {n} joint axes needs {held.shape}"
                 )
             held[:] = given
-        if not np.isfinite(self.tau.sum() + self._base.sum()):
+        on_base = float(self._flat @ self._flat)
+        if not math.isfinite(on_base + float(self.torque @ self.torque)):
             self._refuse(command, time)
-        pushed = bool(self._base.any())
+        pushed = on_base > 0.0
         if self._pushed and not pushed:
             self.tau[:6] = self.impulse_rate[:] = 0.0
         self._pushed = pushed
@@ -105,7 +119,8 @@ class Plant:
             return float(self.tau @ v)
         self._push_points(time, q)
         acceleration[:] = pin.aba(self.model, self.data, q, v, self.tau, self._fext, pin.Convention.LOCAL)
-        on_points = sum(float(self._fext[j].vector @ self.data.v[j].vector) for j in self._joints)
+        moving = self.data.v
+        on_points = sum(float(row @ moving[j].vector) for j, row in zip(self._joints, self._on_joints, strict=True))
         return float(self.tau @ v) + on_points
 
     def generalized_force(self, time: float, q: Floats) -> Floats:
@@ -124,14 +139,12 @@ class Plant:
         pin.forwardKinematics(self.model, self.data, q)
         if not self._pushed:
             self.impulse_rate[:] = 0.0
-        for j in self._joints:
-            self._fext[j] = pin.Force.Zero()
-        for point, wrench in self._external:
-            here = self.data.oMi[point.joint]
-            at_point = pin.SE3(np.eye(3), here.act(point.placement.translation))
-            about_origin = at_point.act(pin.Force(wrench(time)))
-            self._fext[point.joint] = self._fext[point.joint] + here.actInv(about_origin)
-            self.impulse_rate += about_origin.vector
+        on_joints, placements = self._on_joints, self.data.oMi
+        on_joints[:] = 0.0
+        for j, p, row, wrench in self._pushes:
+            push_point(placements[j].homogeneous, p, wrench(time), row, self.impulse_rate)
+        for j, row in zip(self._joints, on_joints, strict=True):
+            self._fext[j] = pin.Force(row)
 
     def momentum(self, q: Floats, v: Floats) -> tuple[Floats, Floats, float]:
         """Return momentum (6,), linear and about the centre of mass; that centre (3,); kinetic energy (J).

@@ -23,11 +23,10 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from ospace.kernels.runge_kutta import finish, halfway, to_the_end
 from ospace.kernels.tables import Floats
 from ospace.simulation.plant import Plant
 
-_FIRST_HALF = np.array([3.0, 2.0, 2.0, -1.0]) / 12.0
-_SECOND_HALF = np.array([-1.0, 2.0, 2.0, 3.0]) / 12.0
 _WEIGHTS = np.array([1.0, 2.0, 2.0, 1.0]) / 6.0
 
 
@@ -56,48 +55,39 @@ class RungeKutta4:
     def __init__(self, plant: Plant) -> None:
         self.plant = plant
         self._V, self._A = np.empty((2, 4, plant.robot.nv))
-        self._rates = np.empty((4, 6))
+        self._u, self._u_2 = np.empty((2, plant.robot.nv))
         self._stages = list(zip(self._V, self._A, strict=True))
-        self._u = np.empty(plant.robot.nv)
+        self._rates = np.empty((4, 6))
 
     def step(self, t: float, h: float, motion: Motion) -> None:
         """Bring `motion` from time `t` to `t` + `h`, s."""
-        model, u, q, v = self.plant.model, self._u, motion.q, motion.v
-        (V_1, V_2, V_3, V_4), (A_1, A_2, A_3, _) = self._V, self._A
+        plant, u = self.plant, self._u
+        model, accelerate, q, v = plant.model, plant.accelerate, motion.q, motion.v
+        (V_1, A_1), (V_2, A_2), (V_3, A_3), (V_4, A_4) = self._stages
+        watched = not plant.isolated
 
         V_1[:] = v
-        P_1 = self._stage(0, t, q)
-
-        np.multiply(V_1, 0.5 * h, u)
+        P_1 = accelerate(t, q, V_1, A_1)
+        if watched:
+            self._rates[0] = plant.impulse_rate
+        halfway(v, V_1, A_1, 0.5 * h, u, V_2)
         q_2 = pin.integrate(model, q, u)
-        np.multiply(A_1, 0.5 * h, V_2)
-        V_2 += v
-        P_2 = self._stage(1, t + 0.5 * h, q_2)
-
-        np.multiply(V_2, 0.5 * h, u)
+        P_2 = accelerate(t + 0.5 * h, q_2, V_2, A_2)
+        if watched:
+            self._rates[1] = plant.impulse_rate
+        halfway(v, V_2, A_2, 0.5 * h, u, V_3)
         q_3 = pin.integrate(model, q, u)
-        np.multiply(A_2, 0.5 * h, V_3)
-        V_3 += v
-        P_3 = self._stage(2, t + 0.5 * h, q_3)
-
-        np.multiply(V_1, -0.5, u)
-        u += V_3
-        u *= h
+        P_3 = accelerate(t + 0.5 * h, q_3, V_3, A_3)
+        if watched:
+            self._rates[2] = plant.impulse_rate
+        to_the_end(v, self._V, self._A, h, u)
         q_4 = pin.integrate(model, q_2, u)
-        np.multiply(A_3, h, V_4)
-        V_4 += v
-        P_4 = self._stage(3, t + h, q_4)
+        P_4 = accelerate(t + h, q_4, V_4, A_4)
 
-        half = pin.integrate(model, q, (h * _FIRST_HALF) @ self._V)
-        motion.q = pin.integrate(model, half, (h * _SECOND_HALF) @ self._V)
-        motion.v = v + (h * _WEIGHTS) @ self._A
-        motion.work += h / 6.0 * (P_1 + 2.0 * (P_2 + P_3) + P_4)
-        if not self.plant.isolated:
+        v = v.copy()
+        finish(v, self._V, self._A, h, u, self._u_2)
+        if watched:
+            self._rates[3] = plant.impulse_rate
             motion.impulse = motion.impulse + (h * _WEIGHTS) @ self._rates
-
-    def _stage(self, i: int, t: float, q: Floats) -> float:
-        V, A = self._stages[i]
-        power = self.plant.accelerate(t, q, V, A)
-        if not self.plant.isolated:
-            self._rates[i] = self.plant.impulse_rate
-        return power
+        motion.work += h / 6.0 * (P_1 + 2.0 * (P_2 + P_3) + P_4)
+        motion.q, motion.v = pin.integrate(model, pin.integrate(model, q, u), self._u_2), v

@@ -55,8 +55,8 @@ def rigid_body(
     moments = np.linalg.eigvalsh(I)
     if moments[0] <= 0.0 or moments[2] > (moments[0] + moments[1]) * (1.0 + _ROUNDING):
         raise OspaceError(
-            f"inertia of '{name}' has the principal moments {moments} kg m²: no body has these; each must be above zero, "
-            f"and at most the sum of the other two"
+            f"inertia of '{name}' has the principal moments {moments} kg m²: no body has these; "
+            f"each must be above zero, and at most the sum of the other two"
         )
     centre = checked_vector(mass_centre, 3, "mass_centre", name)
     model = pin.Model()

@@ -21,7 +21,7 @@ import pinocchio as pin
 
 from ospace.exceptions import OspaceError
 from ospace.kernels.tables import Floats
-from ospace.simulation.lie import EXP, LOG, LOG_BACK, TRANSPORT, Adjoint, series
+from ospace.simulation.lie import EXP, LOG, LOG_BACK, TRANSPORT, Adjoint, series, terms_of
 from ospace.simulation.plant import Plant
 from ospace.simulation.runge_kutta import Motion
 
@@ -43,6 +43,7 @@ class VariationalMidpoint:
             _refuse(model, j)
         self._adjoint = Adjoint(model)
         self._still = np.zeros(model.nv)
+        self._lead = np.zeros(model.nv)  # of ξ before v, in the last step: where the next one starts to look
 
     def step(self, t: float, h: float, motion: Motion) -> None:
         """Bring `motion` from time `t` to `t` + `h`, s."""
@@ -52,11 +53,13 @@ class VariationalMidpoint:
         impulse = 0.5 * h * plant.impulse_rate
         p = self._inertia(q) @ motion.v + before
 
-        xi, last = motion.v.copy(), np.inf
+        xi, last = motion.v + self._lead, np.inf
+        terms = terms_of(h * xi)
+        H_inv = np.linalg.inv(self._inertia(pin.integrate(model, q, 0.5 * h * xi)))
         for _ in range(_ITERATIONS):
-            w, g, H_m, A = self._at_midpoint(q, xi, h)
+            w, g, A_T = self._at_midpoint(q, xi, h, terms)
             # p = Lᵀ w − h E_qᵀ g, solved for ξ with ∂p/∂ξ ≈ H
-            correction = np.linalg.solve(H_m, p - series(LOG_BACK, A.T, w) + h * series(TRANSPORT, 0.5 * A.T, g))
+            correction = H_inv @ (p - series(LOG_BACK, A_T, w, terms) + h * series(TRANSPORT, 0.5 * A_T, g, terms))
             xi += correction
             size = float(np.abs(correction).max()) / max(_NO_SPEED, float(np.abs(xi).max()))
             if size <= _CLOSE or _STALLED >= size >= 0.5 * last:
@@ -65,24 +68,24 @@ class VariationalMidpoint:
         else:
             raise OspaceError(f"the symplectic step at {t:.6g} s finds no end: take a smaller step than {h:g} s")
 
-        w, g, H_m, A = self._at_midpoint(q, xi, h)
+        w, _, A_T = self._at_midpoint(q, xi, h, terms)
+        self._lead = xi - motion.v
         motion.q = pin.integrate(model, q, h * xi)
         after = 0.5 * h * plant.generalized_force(t + h, motion.q)
-        motion.v = np.asarray(np.linalg.solve(self._inertia(motion.q), series(LOG, A.T, w) + after))
+        motion.v = np.asarray(np.linalg.solve(self._inertia(motion.q), series(LOG, A_T, w, terms) + after))
         motion.work += float((before + after) @ xi)
         if not plant.isolated:
             motion.impulse = motion.impulse + impulse + 0.5 * h * plant.impulse_rate
 
-    def _at_midpoint(self, q: Floats, xi: Floats, h: float) -> tuple[Floats, Floats, Floats, Floats]:
-        """Return w, g, H(q_m) and ad_{hξ} of the mean velocity `xi`."""
+    def _at_midpoint(self, q: Floats, xi: Floats, h: float, terms: int) -> tuple[Floats, Floats, Floats]:
+        """Return w, g and (ad_{hξ})ᵀ of the mean velocity `xi`."""
         model, data = self.plant.model, self.plant.data
         q_m = pin.integrate(model, q, 0.5 * h * xi)
-        H_m = self._inertia(q_m)
         pin.computeRNEADerivatives(model, data, q_m, self._still, xi)  # ∂(H ξ)/∂q
         g: Floats = 0.5 * (xi @ data.dtau_dq)
-        A = self._adjoint.at(h * xi)
-        w: Floats = H_m @ xi + 0.5 * h * series(EXP, 0.5 * A.T, g)
-        return w, g, H_m, A
+        A_T = self._adjoint.at(h * xi).T
+        w: Floats = self._inertia(q_m) @ xi + 0.5 * h * series(EXP, 0.5 * A_T, g, terms)
+        return w, g, A_T
 
     def _inertia(self, q: Floats) -> Floats:
         upper = pin.crba(self.plant.model, self.plant.data, q)

@@ -1,74 +1,148 @@
-"""Whether the links and joints of a URDF make one tree, and each link's own inertia makes sense."""
+"""Whether links and joints make one tree of a size that can be handled, and in which order they stand in it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import os
+from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 from lxml import etree
 
-from ospace.exceptions import UrdfError
-from ospace.urdf.findings import Finding, of_body
+from ospace.exceptions import UrdfError, closest
+from ospace.urdf.description import Description, Joint, Link
+from ospace.urdf.findings import Finding, found
+from ospace.urdf.source import Limits, line_of
 
-_WITH_AXIS = ("revolute", "continuous", "prismatic", "planar")
-_XACRO = "http://www.ros.org/wiki/xacro"
+LONGEST_CHAIN = 2000
+"""Joints between the base and a link; the recursions of Pinocchio's reader overflow the stack near 3,700."""
 
-
-def check(path: Path, root: etree._Element) -> None:
-    """Raise `UrdfError` where the file is no URDF, or its links no tree: Pinocchio would drop some, or hang."""
-    if root.tag != "robot":
-        raise UrdfError(path, f"the root element is <{root.tag!s}>, not <robot>: this is no URDF")
-    for element in root.iter():
-        if str(element.tag).startswith(f"{{{_XACRO}}}") or any("${" in str(value) for value in element.attrib.values()):
-            raise UrdfError(path, "is an unexpanded xacro: expand it first (xacro robot.xacro > robot.urdf)")
-    if not root.get("name"):
-        raise UrdfError(path, "<robot> has no name: give it one, as in <robot name='chaser'>")
-    if root.find("link") is None:
-        raise UrdfError(path, "<robot> has no <link>: a robot needs at least its base")
-    parent_of: dict[str, str] = {}
-    for joint in root.iterfind("joint"):
-        parent, child = (_linked(joint, end) for end in ("parent", "child"))
-        if child in parent_of:
-            raise UrdfError(path, f"link '{child}' is the child of two joints: '{joint.get('name')}' is the second")
-        parent_of[child] = parent
-        axis = joint.find("axis")
-        if axis is not None and joint.get("type") in _WITH_AXIS and _numbers(axis.get("xyz", "")) == [0.0, 0.0, 0.0]:
-            raise UrdfError(path, f"joint '{joint.get('name')}' has an axis of no length: give it a direction")
-    for link in parent_of:
-        seen = {link}
-        while link in parent_of:
-            link = parent_of[link]
-            if link in seen:
-                raise UrdfError(path, f"link '{link}' hangs from itself: the joints make a loop, a URDF is a tree")
-            seen.add(link)
+DOF = {"revolute": 1, "continuous": 1, "prismatic": 1, "planar": 3, "floating": 6}
+_BASE_DOF = 6
+_WORLD = "world"
 
 
-def of_links(root: etree._Element) -> Iterator[Finding]:
-    """Look at each link's own inertia, before fixed joints merge it with its neighbours."""
-    fixed = [joint for joint in root.iterfind("joint") if joint.get("type") == "fixed"]
-    welded = {_linked(joint, end) for joint in fixed for end in ("parent", "child")}
-    for link in root.iterfind("link"):
-        mass, tensor = link.find("inertial/mass"), link.find("inertial/inertia")
-        if mass is None or tensor is None:
-            continue
-        value = _numbers(mass.get("value", ""))
-        xx, yy, zz, xy, xz, yz = (_numbers(tensor.get(f"i{key}", "")) for key in ("xx", "yy", "zz", "xy", "xz", "yz"))
-        if all(len(numbers) == 1 for numbers in (value, xx, yy, zz, xy, xz, yz)):
-            matrix = np.array([[xx[0], xy[0], xz[0]], [xy[0], yy[0], yz[0]], [xz[0], yz[0], zz[0]]])
-            name = str(link.get("name"))
-            yield from of_body(name, value[0], np.zeros(3), matrix, merged=name in welded)
+def check_size(path: Path, root: etree._Element, limits: Limits) -> None:
+    """Raise `UrdfError` where there are no links, or more than the limit, before anything is made of them."""
+    links = 0
+    for links, link in enumerate(root.iterfind("link"), 1):
+        if links > limits.links:
+            reason = f"has more than {limits.links} links: merge some, or raise the limit"
+            raise UrdfError(path, reason, "too-many-links", line_of(link))
+    if not links:
+        raise UrdfError(path, "<robot> has no <link>: a robot needs at least its base", "no-links", line_of(root))
+    for joints, joint in enumerate(root.iterfind("joint"), 1):
+        if joints > limits.links:
+            reason = f"has more than {limits.links} joints, more than a tree of so many links has"
+            raise UrdfError(path, reason, "too-many-links", line_of(joint))
 
 
-def _linked(joint: etree._Element, end: str) -> str:
-    element = joint.find(end)
-    return "" if element is None else str(element.get("link"))
+def ordered(path: Path, description: Description, limits: Limits) -> Description:
+    """Return the description with its joints from the base outward.
+
+    Raises
+    ------
+    UrdfError
+        Links and joints are no tree, or it is too large.
+    """
+    _check_names(path, "link", description.links)
+    _check_names(path, "joint", description.joints)
+    parent_joint = _parent_joints(path, description)
+    roots = [link for link in description.links if link.name not in parent_joint]
+    _check_loops(path, parent_joint)
+    if len(roots) != 1:
+        names = " and ".join(link.subject for link in roots[:3]) + (", …" if len(roots) > 3 else "")
+        reason = f"has {len(roots)} root links, {names}: join them, by a fixed joint where nothing moves"
+        raise UrdfError(path, reason, "two-roots", roots[1].line)
+    below: dict[str, list[Joint]] = {link.name: [] for link in description.links}
+    for joint in description.joints:
+        below[joint.parent].append(joint)
+    joints: list[Joint] = []
+    waiting = [(joint, 1) for joint in reversed(below[roots[0].name])]
+    while waiting:
+        joint, depth = waiting.pop()
+        if depth > LONGEST_CHAIN:
+            reason = f"has a chain of more than {LONGEST_CHAIN} joints: merge links that are fixed to each other"
+            raise UrdfError(path, reason, "too-many-links", joint.line)
+        joints.append(joint)
+        waiting += [(one, depth + 1) for one in reversed(below[joint.child])]
+    return replace(description, joints=tuple(joints))
 
 
-def _numbers(text: str) -> list[float]:
-    """Return the numbers in `text`; none where one cannot be read, which Pinocchio's parser tells by itself."""
-    try:
-        numbers = [float(word) for word in text.split()]
-    except ValueError:
-        return []
-    return numbers if np.isfinite(numbers).all() else []
+def check_dof(path: Path, description: Description, limits: Limits) -> None:
+    """Raise `UrdfError` where Pinocchio's working memory would be too large."""
+    nv = _BASE_DOF + sum(DOF.get(joint.kind, 0) for joint in description.joints)
+    if nv > limits.dof:
+        reason = f"has {nv} degrees of freedom, at most {limits.dof} are taken: fix some joints, or raise the limit"
+        raise UrdfError(path, reason, "too-many-dof")
+    needed, there = 64 * nv**3, os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    if needed > there:
+        reason = f"has {nv} degrees of freedom: Pinocchio takes {needed:.2g} bytes, the machine has {there:.2g}"
+        raise UrdfError(path, reason, "too-many-dof")
+
+
+def with_floating_base(description: Description) -> tuple[Description, list[Finding]]:
+    """Take a massless root link on whose floating joint all else hangs for what it is: the world.
+
+    The file's own floating joint is then the base's, and the root link is left out. A root link called 'world' to
+    which the robot is fixed stays; that the base floats all the same is a finding.
+    """
+    root = description.link[description.root]
+    joints = [joint for joint in description.joints if joint.parent == root.name]
+    bolted = next((joint for joint in joints if joint.kind == "fixed"), None)
+    if root.name == _WORLD and bolted is not None:
+        message = f"'{bolted.child}' is fixed to the world in the file; here it floats"
+        return description, [found("fixed-base", bolted.subject, message, line=bolted.line)]
+    if root.inertial is not None or [joint.kind for joint in joints] != ["floating"]:
+        return description, []
+    message = f"floats on the massless root {root.subject}: taken as the base's own six degrees of freedom"
+    inner = replace(
+        description,
+        links=tuple(link for link in description.links if link is not root),
+        joints=tuple(joint for joint in description.joints if joint is not joints[0]),
+    )
+    return inner, [found("floating-root", joints[0].subject, message, line=joints[0].line)]
+
+
+def _check_names(path: Path, what: str, parts: Iterable[Link] | Iterable[Joint]) -> None:
+    seen: dict[str, int | None] = {}
+    for part in parts:
+        if not part.name.strip():
+            raise UrdfError(path, f"has an unnamed {what}: give it a name", "unnamed", part.line)
+        if part.name in seen:
+            first = f" (line {seen[part.name]})" if seen[part.name] else ""
+            reason = f"{what} '{part.name}' is not unique{first}: rename one"
+            raise UrdfError(path, reason, "duplicate-name", part.line)
+        seen[part.name] = part.line
+
+
+def _parent_joints(path: Path, description: Description) -> dict[str, Joint]:
+    """Return the joint above each link."""
+    above: dict[str, Joint] = {}
+    for joint in description.joints:
+        for end, link in (("parent", joint.parent), ("child", joint.child)):
+            if not link:
+                raise UrdfError(path, f"{joint.subject} has no <{end} link=…>", "joint-ends", joint.line)
+            if link not in description.link:
+                near = closest(link, description.link)
+                reason = f"{end} link '{link}' of {joint.subject} is not found{near}"
+                raise UrdfError(path, reason, "unknown-link", joint.line)
+        if joint.child in above:
+            first = above[joint.child].subject
+            reason = f"link '{joint.child}' is the child of two joints: {joint.subject} is the second, after {first}"
+            raise UrdfError(path, reason, "second-parent", joint.line)
+        above[joint.child] = joint
+    return above
+
+
+def _check_loops(path: Path, above: dict[str, Joint]) -> None:
+    sound: set[str] = set()
+    for link in above:
+        way: dict[str, None] = {}
+        while link in above and link not in sound:
+            if link in way:
+                reason = f"link '{link}' hangs from itself: the joints make a loop, a URDF is a tree"
+                raise UrdfError(path, reason, "loop", above[link].line)
+            way[link] = None
+            link = above[link].parent
+        sound.update(way)

@@ -2,86 +2,72 @@
 
 from __future__ import annotations
 
+import io
 import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 import yourdfpy
 
 from ospace.exceptions import OspaceError
-from ospace.joint_positions import Position
 from ospace.kernels.tables import Floats
 from ospace.robot import SpaceRobot
+from ospace.urdf.build import to_xml
+from ospace.urdf.description import Description
 from ospace.validation.sampling import random_state
 
 _MOVED = ("revolute", "continuous", "prismatic", "fixed")
 
 
 class IndependentReader:
-    """The robot's URDF as yourdfpy reads it.
+    """The robot as yourdfpy reads what Pinocchio read.
 
     Raises
     ------
     OspaceError
-        The robot was not read from a file, or yourdfpy rejects the file.
+        The robot was not read from a file, or yourdfpy rejects it.
     """
 
     def __init__(self, robot: SpaceRobot) -> None:
-        if robot.source is None:
+        if robot.description is None:
             raise OspaceError(f"robot '{robot.name}' was not read from a URDF")
         self.robot = robot
-        self._urdf = _load(robot.source)
-        self._parents = {joint.child: joint for joint in self._urdf.joint_map.values()}
-        self.links = [link for link in self._urdf.link_map if self._moved(link)]
+        self._urdf = _load(robot.description)
+        # Each link as seen from the one it hangs from: where all of these agree, the links agree in the base.
+        self._pairs = [(joint.parent, joint.child) for joint in self._urdf.joint_map.values() if joint.type in _MOVED]
 
-    def _moved(self, link: str) -> bool:
-        """Whether yourdfpy moves all joints on the way from the base to `link`; it leaves planar and floating ones."""
-        while link in self._parents:
-            if self._parents[link].type not in _MOVED:
-                return False
-            link = self._parents[link].parent
-        return True
+    @property
+    def compared(self) -> int:
+        """Links whose placements are compared; yourdfpy does not move planar and floating joints."""
+        return 1 + len(self._pairs)
 
     def compare(self, rng: np.random.Generator) -> float:
-        """Return the largest difference of a link's placement in the base, over the size of the robot.
-
-        Joint positions are random; a joint that mimics another is put where the other demands, in both readers.
-        """
+        """Return the largest difference of a link's placement, over the distance from the link it hangs from."""
         robot = self.robot
-        angles = self._mimicked(robot.joint_positions(random_state(robot, rng).q))
+        positions = robot.joint_positions(random_state(robot, rng).q)
         data = robot.scratch.data
-        pin.framesForwardKinematics(robot.model, data, robot.configuration(angles))
-        base = data.oMi[1].inverse()
+        pin.framesForwardKinematics(robot.model, data, robot.configuration(positions))
+        angles = {name: value for name, value in positions.items() if isinstance(value, float)}
         with _quiet():
             self._urdf.update_cfg({name: angles[name] for name in self._urdf.actuated_joint_names if name in angles})
-        apart, size = 0.0, 1.0
-        for link in self.links:
-            ours = (base * data.oMf[robot.model.getFrameId(link, pin.FrameType.BODY)]).homogeneous
-            theirs: Floats = self._urdf.get_transform(link, self._urdf.base_link)
-            apart = max(apart, float(np.abs(ours - theirs).max()))
-            size = max(size, float(np.abs(theirs).max()))
-        return apart / size
-
-    def _mimicked(self, positions: dict[str, Position]) -> dict[str, float]:
-        """Keep the joints of one degree of freedom, each that mimics another where the other demands."""
-        angles = {name: value for name, value in positions.items() if isinstance(value, float)}
-        for name, joint in self._urdf.joint_map.items():
-            if joint.mimic is not None and name in angles:
-                # yourdfpy follows one joint, not a chain of them
-                led = joint.mimic.joint in angles and joint.mimic.joint in self._urdf.actuated_joint_names
-                angles[name] = (angles[joint.mimic.joint] if led else 0.0) * joint.mimic.multiplier + joint.mimic.offset
-        return angles
+        worst = 0.0
+        for parent, child in self._pairs:
+            above, below = (data.oMf[robot.model.getFrameId(link, pin.FrameType.BODY)] for link in (parent, child))
+            ours = (above.inverse() * below).homogeneous
+            theirs: Floats = self._urdf.get_transform(child, parent)
+            worst = max(worst, float(np.abs(ours - theirs).max()) / max(1.0, float(np.abs(theirs).max())))
+        return worst
 
 
-def _load(path: Path) -> yourdfpy.URDF:
+def _load(description: Description) -> yourdfpy.URDF:
+    text = io.BytesIO(to_xml(description).encode())
     with _quiet():
         try:
-            return yourdfpy.URDF.load(str(path), build_scene_graph=True, load_meshes=False, load_collision_meshes=False)
+            return yourdfpy.URDF.load(text, build_scene_graph=True, load_meshes=False, load_collision_meshes=False)
         except Exception as error:  # yourdfpy lets any error of its parts through
-            raise OspaceError(f"yourdfpy rejects {path}: {type(error).__name__}: {error}") from error
+            raise OspaceError(f"yourdfpy rejects it: {type(error).__name__}: {error}") from error
 
 
 @contextmanager

@@ -14,8 +14,9 @@ from ospace.dynamics.joint_space import joint_space_dynamics
 from ospace.exceptions import OspaceError, SingularInertiaError
 from ospace.points import OperationalPoint
 from ospace.robot import SpaceRobot
-from ospace.urdf.findings import Finding
+from ospace.urdf.findings import Finding, found, gravest_first
 from ospace.validation.agreement import Agreement, AgreementTable, summary
+from ospace.validation.extremes import Extremes
 from ospace.validation.placements import IndependentReader
 from ospace.validation.sample import Sample, condition
 from ospace.validation.sampling import random_state
@@ -136,46 +137,38 @@ def check(
     Every second state is 7e6 m from the origin. `progress` is called with the number of states done.
     """
     rng = np.random.default_rng(seed)
-    table, found = AgreementTable(), list(robot.findings)
-    reader = _second_reader(robot, found)
+    table, extremes, findings = AgreementTable(), Extremes(points), list(robot.findings)
+    reader = _second_reader(robot, findings)
     placed: list[tuple[float, float]] = []
     rows: list[Agreement] = []
     done = 0
     try:
         for done in range(1, samples + 1):
-            table.add(Sample(random_state(robot, rng, far=done % 2 == 0), points, rng))
+            sample = Sample(random_state(robot, rng, far=done % 2 == 0), points, rng)
+            table.add(sample)
+            extremes.add(sample)
             if reader is not None:
                 placed.append((reader.compare(rng), _PLACEMENT_BOUND))
             progress(done)
         rows = table.rows()
         if reader is not None:
-            name = f"placements of {len(reader.links)} links"
+            name = f"placements of {reader.compared} links"
             rows.append(summary(name, "14", "Pinocchio", "yourdfpy", placed))
     except SingularInertiaError as error:
-        found.append(_singular(error))
+        message = "carries no inertia in a sampled state, so the joint-space inertia is singular to working precision"
+        findings.append(found("singular-inertia", f"joint '{error.joint}'", message))
     except (OspaceError, np.linalg.LinAlgError) as error:
-        remedy = "look for links without inertia about an axis, and for masses or lengths in other units than kg and m"
-        found.append(Finding("not-computable", "error", f"robot '{robot.name}'", str(error), remedy))
-    return Report(model_facts(robot, points), tuple(found), rows, done, seed)
+        findings.append(found("not-computable", f"robot '{robot.name}'", str(error)))
+    findings += extremes.findings(robot.name)
+    return Report(model_facts(robot, points), gravest_first(findings), rows, done, seed)
 
 
-def _second_reader(robot: SpaceRobot, found: list[Finding]) -> IndependentReader | None:
+def _second_reader(robot: SpaceRobot, findings: list[Finding]) -> IndependentReader | None:
     """Return the independent reader; None, with a finding, where it rejects the file, or there is none."""
-    if robot.source is None:
+    if robot.description is None:
         return None
     try:
         return IndependentReader(robot)
     except OspaceError as error:
-        remedy = "compare the file with the URDF specification: another reader may stumble where yourdfpy does"
-        found.append(Finding("second-reader", "warning", f"robot '{robot.name}'", str(error), remedy))
+        findings.append(found("second-reader", f"robot '{robot.name}'", str(error)))
         return None
-
-
-def _singular(error: SingularInertiaError) -> Finding:
-    return Finding(
-        "singular-inertia",
-        "error",
-        f"joint '{error.joint}'",
-        "carries no inertia in a sampled state, so the joint-space inertia is singular to working precision",
-        "give the links beyond it mass and inertia, or make the joint fixed",
-    )

@@ -42,7 +42,7 @@ def joint(name, kind, child, parent="base", more=""):
     limit = '<limit lower="-1" upper="1" effort="1" velocity="1"/>' if kind in ("revolute", "prismatic") else ""
     return (
         f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
-        f'<origin xyz="0.3 0 0.1"/><axis xyz="0 1 0"/>{limit}{more}</joint>'
+        f'<origin xyz="0.3 0 0.1"/><axis xyz="{"0 0 1" if kind == "planar" else "0 1 0"}"/>{limit}{more}</joint>'
     )
 
 
@@ -251,12 +251,13 @@ def test_a_mimic_joint_gives_its_warning(run, document, urdf):
         joint("lead", "revolute", "left"),
         joint("follow", "revolute", "right", more='<mimic joint="lead" multiplier="-0.5" offset="0.1"/>'),
     )
-    status, out, _ = run("check", file, "--samples", 2)
+    status, out, _ = run("check", file, "--samples", 2, "--free-mimic")
     assert status == 0
-    assert re.search(r"warning +mimic-freed: joint 'follow': mimics 'lead'", out)
+    assert re.search(r"warning +mimic-freed: joint 'follow', line 1: mimics 'lead'", out)
     assert out.splitlines()[-1].endswith("0 errors, 1 warning")
-    _, report = document(file, "--samples", 2)
-    assert [finding["code"] for finding in report["findings"]] == ["mimic-freed"]
+    status, report = document(file, "--samples", 2)
+    assert status == 1
+    assert [finding["code"] for finding in report["findings"]] == ["mimic"]
 
 
 # -- JSON --------------------------------------------------------------------------------------------------------
@@ -386,7 +387,7 @@ def test_an_unsound_model(run, document, urdf, code):
     file = urdf(*UNSOUND[code])
     status, out, err = run("check", file, "--samples", 2)
     assert (status, err) == (1, "")
-    assert re.search(rf"error +{code}: (link|joint) '\w+': ", out)
+    assert re.search(rf"error +{code}: (link|joint) '\w+'(, line 1)?: ", out)
     assert out.splitlines()[-1].startswith(f"unsound: {file}: ")
     status, report = document(file, "--samples", 2)
     assert (status, report["verdict"]) == (1, "unsound")

@@ -373,8 +373,6 @@ def test_levels_keep_limits(chaser, hand, head):
 
 @pytest.mark.parametrize("solver", ["proxqp", "quadprog"])
 def test_all_solvers_give_the_same(chaser, hand, head, solver):
-    if solver == "quadprog":
-        pytest.importorskip("quadprog", reason="an optional back-end")
     limits = JointLimits.of(chaser, share=0.2, acceleration=5.0)
     tasks = paper_tasks(chaser, hand, head)
     runs = [Controller(chaser, tasks, limits=limits, solver=name, base="flying") for name in ("daqp", solver)]

@@ -33,7 +33,7 @@ EXAMPLES = {
 @functools.cache
 def load(name):
     urdf = ospace.models.path(name) if name in OWN else example_robot(EXAMPLES[name])
-    return ospace.SpaceRobot.from_urdf(urdf), MujocoRobot(urdf)
+    return ospace.SpaceRobot.from_urdf(urdf, free_mimic=True), MujocoRobot(urdf)
 
 
 def random_state(robot, rng):

@@ -182,6 +182,10 @@ def test_phases_take_their_time(made):
     assert len(one.time) == 5
     assert len(two.time) == 30
     assert two.errors["tip"].last[0] < 1e-3
+    trajectory = run.segments[0].trajectory
+    places = [run.scenario.robot.state(q).placement(run.scenario.robot.point("end_effector")) for q in trajectory.q]
+    moved = places[-1].translation - places[0].translation
+    np.testing.assert_allclose(moved, [-0.01, 0.01, 0.0], rtol=0, atol=1e-3)
     assert np.isnan(two.errors["tip"].last[1])
     assert len(run.segments) == 1
     assert len(run.segments[0].trajectory) == 71
@@ -237,6 +241,8 @@ def test_a_release_gives_both_back(made):
         return poses[0].actInv(poses[1])
 
     assert apart(first, -1).isApprox(apart(last, 0), 1e-9)
+    np.testing.assert_allclose(last.trajectory.q[0], held.trajectory.q[-1], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(last.trajectory.v[0], held.trajectory.v[-1], rtol=0, atol=1e-12)
 
 
 def test_a_simulation_that_fails_keeps_what_was_run(made, monkeypatch):

@@ -1,5 +1,7 @@
 """Grasp as an inelastic impact, the combined model, and release: identities."""
 
+from pathlib import Path
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -10,6 +12,7 @@ from ospace import OspaceError, SpaceRobot
 from ospace.dynamics.dense import Dense
 from ospace.simulation import grasp, release, rigid_body, simulate, tumbling
 
+MODELS = Path(__file__).parents[2] / "models"
 REVERSIBLE = (
     "revolute",
     "prismatic",
@@ -161,7 +164,7 @@ def test_two_bodies_that_meet_head_on():
 
 def test_subtrees_stay_whole_and_numbers_follow_their_joints():
     """The hand is in the middle of the chaser's numbering: the target is numbered right behind it."""
-    chaser = SpaceRobot.from_urdf("models/chaser_24dof.urdf")
+    chaser = SpaceRobot.from_urdf(MODELS / "chaser_24dof.urdf")
     target = trees.tree(3, 3, REVERSIBLE)
     state = tumbling(target, pin.SE3.Identity(), (0.01, 0.02, 0.03))
     one = grasp(chaser.state(chaser.configuration()), chaser.point("right_hand"), state, target.point("base"))
@@ -181,7 +184,7 @@ def test_subtrees_stay_whole_and_numbers_follow_their_joints():
 
 
 def test_urdf_target_in_the_hand():
-    chaser, target = (SpaceRobot.from_urdf(f"models/{name}.urdf") for name in ("chaser_24dof", "target"))
+    chaser, target = (SpaceRobot.from_urdf(MODELS / f"{name}.urdf") for name in ("chaser_24dof", "target"))
     a = chaser.state(chaser.configuration())
     T_WH = a.placement(chaser.point("right_hand"))
     grapple = target.point("grapple")

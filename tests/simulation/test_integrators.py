@@ -1,5 +1,7 @@
 """Order, invariants and agreement of the integrators."""
 
+from pathlib import Path
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -8,6 +10,7 @@ import trees
 from ospace import OspaceError, SpaceRobot
 from ospace.simulation import Actuation, lie, simulate
 
+MODELS = Path(__file__).parents[2] / "models"
 AXES_TURN = ("spherical by angles", "universal", "composite")
 SMOOTH = tuple(name for name in trees.JOINT_TYPES if name not in AXES_TURN)
 
@@ -76,7 +79,7 @@ def test_symplectic_keeps_momentum_to_rounding(seed):
 
 def test_symplectic_energy_does_not_drift():
     """The worst error of the energy in the last third of a long run is that of the first third."""
-    robot = SpaceRobot.from_urdf("models/planar_2r.urdf")
+    robot = SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")
     v = np.r_[np.zeros(6), 1.0, -2.0]
     run = simulate(robot, robot.configuration(), v, duration=60.0, step=0.02, integrator="symplectic")
     error = np.abs(run.kinetic_energy - run.kinetic_energy[0])
@@ -188,3 +191,38 @@ def _body(inertia):
     root = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root_joint")
     model.appendBodyToJoint(root, inertia, pin.SE3.Identity())
     return SpaceRobot.from_model(model)
+
+
+@pytest.mark.parametrize("options", [{}, {"tolerance": 1e-11}, {"integrator": "symplectic"}])
+def test_thrusters_and_wheels_that_fire_and_stop(options):
+    """The base is pushed for a while, then left alone: impulses are counted, and end."""
+    robot = trees.tree(12, 6, ("revolute", "prismatic", "continuous"))
+    q, v = slow(trees.state(robot, 12))
+    push = Actuation(np.zeros(robot.n_joints), np.array([1.0, -2.0, 3.0, 0.3, 0.2, -0.1]), np.array([0.1, 0.0, -0.2]))
+    rest = Actuation(np.zeros(robot.n_joints))
+    run = simulate(robot, q, v, lambda t, *_: push if t < 0.0195 else rest, duration=0.05, **options)
+    assert np.allclose(run.impulse[20:, :3], 0.02 * push.base_wrench[:3], rtol=1e-12)
+    assert np.allclose(run.wheel_momentum[20:], -0.02 * push.wheel_torque, rtol=1e-12)
+    assert np.abs(run.momentum[20:] - run.momentum[20]).max() < 1e-10
+    certificate = run.certificate()
+    assert certificate.passed, str(certificate)
+    assert certificate["linear momentum"].error < 1e-11
+
+
+def test_joint_composed_of_rotations():
+    """Not a vector, and of no group that the chart of a tolerance knows."""
+    model = pin.Model()
+    root = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root_joint")
+    model.appendBodyToJoint(root, pin.Inertia(10.0, np.zeros(3), np.diag([1.0, 2.0, 3.0])), pin.SE3.Identity())
+    joint = pin.JointModelComposite(2)
+    joint.addJoint(pin.JointModelSpherical(), pin.SE3.Identity())
+    joint.addJoint(pin.JointModelPX(), pin.SE3(np.eye(3), np.array([0.1, 0.2, 0.3])))
+    wrist = model.addJoint(root, joint, pin.SE3.Identity(), "wrist")
+    model.appendBodyToJoint(wrist, pin.Inertia(1.0, np.ones(3), np.diag([0.2, 0.3, 0.4])), pin.SE3.Identity())
+    robot = SpaceRobot.from_model(model)
+    v = 0.3 * np.random.default_rng(0).normal(size=robot.nv)
+    run = simulate(robot, robot.configuration(), v, lambda *_: 0.1 * np.ones(4), duration=0.05)
+    assert run.certificate().passed, str(run.certificate())
+    assert run.rotation_drift.max() < 1e-14
+    with pytest.raises(OspaceError, match="joint 'wrist' is composed of joints that are no vectors"):
+        simulate(robot, robot.configuration(), v, duration=0.05, tolerance=1e-9)

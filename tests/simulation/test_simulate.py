@@ -1,13 +1,18 @@
 """Commands, wrenches, wheels, noise, delay; what a run keeps, and what it refuses."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pinocchio as pin
 import pytest
 import trees
 
 import ospace
-from ospace import OspaceError
+from ospace import OspaceError, SpaceRobot
 from ospace.simulation import Actuation, Noise, SimulationError, Trajectory, simulate
+
+MODELS = Path(__file__).parents[2] / "models"
 
 
 @pytest.fixture(scope="module")
@@ -23,6 +28,34 @@ def start(robot):
 
 def run(robot, state, controller=None, **options):
     return simulate(robot, *state, controller, **{"duration": 0.05, **options})
+
+
+def test_documentation_runs(tmp_path, monkeypatch, capsys):
+    root = Path(__file__).parents[2]
+    example = re.search(r"```python\n(.*?)```", (root / "docs/simulation.md").read_text(), re.DOTALL)[1]
+    (tmp_path / "models").symlink_to(root / "models")
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    exec(example, names)
+    assert capsys.readouterr().out.count("pass") == 4
+    assert names["after"].certificate().passed
+    assert (tmp_path / "run.npz").exists()
+
+
+def test_chaser_keeps_momentum():
+    """All joints in motion under torques that change every step; over 60 s, docs/simulation.md."""
+    robot = SpaceRobot.from_urdf(MODELS / "chaser_24dof.urdf")
+    q = robot.configuration()
+    inertia = np.diag(ospace.generalized_dynamics(robot.state(q)).generalized_inertia)
+    pace = np.random.default_rng(0).uniform(0.15, 1.5, robot.n_joints)
+
+    def law(time, q_now, v_now):
+        return inertia * (0.2 * pace**2 * np.sin(pace * time) - (q_now - q)[7:] - 0.3 * v_now[6:])
+
+    certificate = simulate(robot, q, np.zeros(robot.nv), law, duration=2.0).certificate()
+    assert certificate.passed
+    for name in ("linear momentum", "angular momentum", "work and energy"):
+        assert certificate[name].error < 1e-11
 
 
 # -- forces ------------------------------------------------------------------------------------------------------
@@ -61,6 +94,19 @@ def test_wrench_as_function_of_time_and_wrench_on_base_as_thrusters(robot, start
     assert np.abs(by_point.q - by_thrusters.q).max() < 1e-13
     assert np.abs(by_point.impulse - by_thrusters.impulse).max() < 1e-14
     assert np.abs(by_point.work - by_thrusters.work).max() < 1e-13
+
+
+def test_wrenches_on_one_link_add_up(robot, start):
+    offset = pin.SE3(np.eye(3), np.array([0.1, 0.2, 0.3]))
+    here, there, base = robot.point("link_4", offset=offset), robot.point("link_4", offset=offset), robot.point("base")
+    F, G, push = np.arange(6.0), np.ones(6), np.array([0.0, 1.0, 0.0, 0.5, 0.0, 0.0])
+    two = run(robot, start, wrenches={here: F, base: push, there: G})
+    command = Actuation(np.zeros(robot.n_joints), push)
+    one = run(robot, start, lambda *_: command, wrenches={here: F + G})
+    assert np.abs(two.q - one.q).max() < 1e-13
+    assert np.abs(two.impulse - one.impulse).max() < 1e-13
+    assert np.abs(two.work - one.work).max() < 1e-13
+    assert two.certificate().passed
 
 
 def test_acceleration_is_that_of_the_paper(robot, start):

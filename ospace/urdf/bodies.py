@@ -1,0 +1,108 @@
+"""Links that fixed joints hold together are one body: masses, centres and tensors, and where each link lies.
+
+The arithmetic is ospace's own: `parity` holds Pinocchio's model against it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ospace.kernels.tables import Floats
+from ospace.urdf.description import Description, Inertial, Joint, Link, Pose
+
+
+@dataclass
+class Body:
+    """A body: the base, or what one joint carries.
+
+    Attributes
+    ----------
+    link : Link
+        The link at whose frame the body's frame lies.
+    joint : Joint or None
+        The joint that carries it; None for the base.
+    parent : int
+        Number of the body it hangs from; −1 for the base.
+    rotation, translation : (3, 3), (3,)
+        Placement of the joint in the parent body's frame. m.
+    mass, centre, tensor : float, (3,), (3, 3)
+        Mass, its centre in the body's frame, and the tensor about that centre. kg, m, kg m².
+    size : float
+        Σ m c² + |I| over its links, what rounding of the tensor is measured by. kg m².
+    weighed : list of Link
+        Its links that have an <inertial>.
+    """
+
+    link: Link
+    joint: Joint | None
+    parent: int
+    rotation: Floats = field(default_factory=lambda: np.eye(3))
+    translation: Floats = field(default_factory=lambda: np.zeros(3))
+    mass: float = 0.0
+    centre: Floats = field(default_factory=lambda: np.zeros(3))
+    tensor: Floats = field(default_factory=lambda: np.zeros((3, 3)))
+    size: float = 0.0
+    weighed: list[Link] = field(default_factory=list)
+
+    @property
+    def subject(self) -> str:
+        """How findings call it."""
+        others = len(self.weighed) - 1
+        return self.link.subject + (f" with {others} fixed to it" if others > 0 else "")
+
+    def add(self, link: Link, inertial: Inertial, R: Floats, p: Floats) -> None:
+        """Add the mass of a link whose frame lies at `R`, `p` in the body's."""
+        turn, centre = placement(inertial.pose)
+        centre, turn = R @ centre + p, R @ turn
+        tensor = turn @ tensor_of(inertial) @ turn.T
+        total = self.mass + inertial.mass
+        apart = centre - self.centre
+        if total != 0.0:
+            reduced = self.mass * inertial.mass / total
+            tensor = tensor + reduced * (apart @ apart * np.eye(3) - np.outer(apart, apart))
+            self.centre = self.centre + inertial.mass / total * apart
+        self.tensor = self.tensor + tensor
+        self.mass = total
+        self.size += abs(inertial.mass) * float(centre @ centre) + float(np.abs(tensor).max())
+        self.weighed.append(link)
+
+
+def placement(pose: Pose) -> tuple[Floats, Floats]:
+    """Return rotation and translation of a pose."""
+    (sx, sy, sz), (cx, cy, cz) = (tuple(map(turned, pose.rpy)) for turned in (math.sin, math.cos))
+    rotation = [
+        [cz * cy, cz * sy * sx - sz * cx, cz * sy * cx + sz * sx],
+        [sz * cy, sz * sy * sx + cz * cx, sz * sy * cx - cz * sx],
+        [-sy, cy * sx, cy * cx],
+    ]
+    return np.array(rotation), np.array(pose.xyz)
+
+
+def tensor_of(inertial: Inertial) -> Floats:
+    """Return the tensor as a matrix, in the axes of the <inertial>."""
+    xx, xy, xz, yy, yz, zz = inertial.tensor
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def bodies_of(description: Description) -> list[Body]:
+    """Merge the links of a description whose joints stand from the base outward; the base comes first."""
+    root = description.link[description.root]
+    bodies = [Body(root, None, -1)]
+    at = {root.name: (0, np.eye(3), np.zeros(3))}
+    for joint in description.joints:
+        number, R, p = at[joint.parent]
+        turn, shift = placement(joint.pose)
+        turn, shift = R @ turn, R @ shift + p
+        if joint.kind == "fixed":
+            at[joint.child] = (number, turn, shift)
+        else:
+            at[joint.child] = (len(bodies), np.eye(3), np.zeros(3))
+            bodies.append(Body(description.link[joint.child], joint, number, turn, shift))
+    for name, (number, R, p) in at.items():
+        link = description.link[name]
+        if link.inertial is not None:
+            bodies[number].add(link, link.inertial, R, p)
+    return bodies

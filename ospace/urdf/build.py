@@ -1,0 +1,120 @@
+"""From a description to Pinocchio's model, by way of a URDF that holds nothing but what dynamics need."""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+import pinocchio as pin
+
+from ospace.exceptions import UrdfError
+from ospace.urdf.description import Description, Inertial, Joint, Link, Pose
+from ospace.urdf.findings import Finding, found
+
+_BASE_NQ, _BASE_NV = 7, 6
+_LARGEST = sys.float_info.max  # Pinocchio's parser knows no infinity
+
+
+def build(path: Path, description: Description) -> tuple[pin.Model, list[Finding]]:
+    """Return the model with a free-flyer, fixed joints merged, and findings on what its parser wrote to stderr.
+
+    Raises
+    ------
+    UrdfError
+        Pinocchio rejects it.
+    """
+    model, reason = None, ""
+    with _captured_stderr() as said:
+        try:
+            model = pin.buildModelFromXML(to_xml(description), pin.JointModelFreeFlyer(), _unused_name(description))
+        except (ValueError, RuntimeError) as error:
+            reason = " ".join(str(error).split())
+    errors = [" ".join(line.split()).removeprefix("Error: ") for line in said if line.strip().startswith("Error")]
+    if model is None:
+        raise UrdfError(path, f"Pinocchio rejects it: {'; '.join(errors) or reason}", "rejected")
+    for limits in (
+        model.lowerPositionLimit[_BASE_NQ:],
+        model.upperPositionLimit[_BASE_NQ:],
+        model.effortLimit[_BASE_NV:],
+        model.velocityLimit[_BASE_NV:],
+    ):
+        limits[np.abs(limits) == _LARGEST] *= np.inf
+    return model, [found("parser-error", "file", f"Pinocchio's parser says: {error}") for error in errors]
+
+
+def to_xml(description: Description) -> str:
+    """Write links with their inertials and joints as a URDF; numbers keep every digit."""
+    parts = [f"<robot name={quoteattr(description.name)}>"]
+    parts += map(_link, description.links)
+    parts += map(_joint, description.joints)
+    return "".join([*parts, "</robot>"])
+
+
+def _link(link: Link) -> str:
+    inertial = "" if link.inertial is None else _inertial(link.inertial)
+    return f"<link name={quoteattr(link.name)}>{inertial}</link>"
+
+
+def _inertial(inertial: Inertial) -> str:
+    keys = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+    tensor = " ".join(f'{key}="{value!r}"' for key, value in zip(keys, inertial.tensor, strict=True))
+    return f'<inertial>{_origin(inertial.pose)}<mass value="{inertial.mass!r}"/><inertia {tensor}/></inertial>'
+
+
+def _joint(joint: Joint) -> str:
+    text = (
+        f'<joint name={quoteattr(joint.name)} type="{joint.kind}">{_origin(joint.pose)}'
+        f"<parent link={quoteattr(joint.parent)}/><child link={quoteattr(joint.child)}/>"
+    )
+    if joint.kind in ("fixed", "floating"):
+        return text + "</joint>"
+    if joint.limit is None:
+        limits = {"lower": -math.inf, "upper": math.inf, "effort": math.inf, "velocity": math.inf}
+    else:
+        limit = joint.limit
+        limits = {"lower": limit.lower, "upper": limit.upper, "effort": limit.effort, "velocity": limit.velocity}
+    given = " ".join(f'{key}="{max(-_LARGEST, min(_LARGEST, value))!r}"' for key, value in limits.items())
+    return (
+        f'{text}<axis xyz="{_words(joint.axis)}"/><limit {given}/>'
+        f'<dynamics damping="{joint.damping!r}" friction="{joint.friction!r}"/></joint>'
+    )
+
+
+def _origin(pose: Pose) -> str:
+    return f'<origin xyz="{_words(pose.xyz)}" rpy="{_words(pose.rpy)}"/>'
+
+
+def _words(values: tuple[float, ...]) -> str:
+    return " ".join(map(repr, values))
+
+
+def _unused_name(description: Description) -> str:
+    """Name for the free-flyer that no joint of the file bears: one that does would be welded to the base."""
+    name = "root_joint"
+    while name in description.joint or name in description.link:
+        name += "_"
+    return name
+
+
+@contextmanager
+def _captured_stderr() -> Iterator[list[str]]:
+    """Catch what C++ writes to file descriptor 2; its lines are in the yielded list afterwards."""
+    said: list[str] = []
+    sys.stderr.flush()
+    with tempfile.TemporaryFile() as catch:
+        kept = os.dup(2)
+        os.dup2(catch.fileno(), 2)
+        try:
+            yield said
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+            catch.seek(0)
+            said += catch.read().decode(errors="replace").splitlines()

@@ -1,0 +1,66 @@
+"""What the sampled states of `ospace check` show."""
+
+from ospace.urdf.codes.code import Code
+
+DYNAMICS = (
+    Code(
+        name="singular-inertia",
+        severity="error",
+        summary="A joint carries no inertia in a sampled state.",
+        reason="H is singular: a body without inertia about its joint, such as a point mass on the axis, or two joints "
+        "about one axis with nothing between.",
+        remedy="Give the links beyond it mass and inertia, or make the joint fixed.",
+        example="two coaxial joints with a massless link between them",
+    ),
+    Code(
+        name="not-computable",
+        severity="error",
+        summary="A quantity of a sampled state cannot be computed for another reason than one joint.",
+        reason="As with a robot whose masses all lie on one line.",
+        remedy="Look for links without inertia about an axis, and for masses or lengths in other units than kg and m.",
+        example="two point masses on a prismatic joint",
+    ),
+    Code(
+        name="second-reader",
+        severity="warning",
+        summary="yourdfpy, the second reader of the file, rejects it.",
+        reason="Placements were then not compared.",
+        remedy="Compare the file with the URDF specification: another reader may stumble where yourdfpy does.",
+        example="an element that yourdfpy cannot parse",
+    ),
+    Code(
+        name="smallest-inertia",
+        severity="info",
+        summary="Smallest eigenvalue of H over the sampled states, its diagonal scaled to one. A warning below 1e-9.",
+        reason="Near zero some motion costs next to no energy, and accelerations amplify every error.",
+        remedy="Look for last links of next to no inertia behind long arms.",
+        example="a finger of a milligram at the end of an arm",
+    ),
+    Code(
+        name="base-condition",
+        severity="info",
+        summary="Condition of H_b over the sampled states, with lengths in units of the robot's radius of gyration. A "
+        "warning above 1e6.",
+        reason="Every quantity of the free-floating robot goes through the inverse of H_b.",
+        remedy="Look for a base that is nearly a line, or masses in different units.",
+        example="a thin rod as the only massive body",
+    ),
+    Code(
+        name="point-rank",
+        severity="info",
+        summary="The generalized Jacobian of an operational point has fewer independent rows than the point takes.",
+        reason="With a free-floating base, the joints alone cannot move the point in all the directions asked for.",
+        remedy="Take fewer rows of the point, or actuate the base too.",
+        example="six rows of a hand on an arm of two joints",
+    ),
+    Code(
+        name="dynamic-singularity",
+        severity="info",
+        summary="How near J* of an operational point comes to a dynamic singularity over the sampled states: its "
+        "smallest singular value over the largest, scaled as in the agreement table. A warning below 1e-6.",
+        reason="There the joints cannot move the point in some direction, though the arm alone could: where that is "
+        "depends on masses, not only on geometry.",
+        remedy="Keep away from such states, or take fewer rows.",
+        example="a planar arm whose links the base's reaction cancels",
+    ),
+)

@@ -1,0 +1,55 @@
+"""Files of shapes. None of these costs more than the one mesh."""
+
+from ospace.urdf.codes.code import Code
+
+MESHES = (
+    Code(
+        name="mesh-missing",
+        severity="warning",
+        summary="The file of a mesh is not there, or <mesh> has no filename.",
+        reason="Its shape cannot be drawn; dynamics do not need it.",
+        remedy="Correct the name, or give the folder that holds its package: --package-dir DIR.",
+        example='<mesh filename="no_such.stl"/>',
+    ),
+    Code(
+        name="mesh-unreadable",
+        severity="warning",
+        summary="The file of a mesh is no regular file, is empty or cut off, or may not be read.",
+        reason="Its shape cannot be drawn; dynamics do not need it.",
+        remedy="Write the file again.",
+        example="an STL of 40 bytes",
+    ),
+    Code(
+        name="mesh-outside",
+        severity="warning",
+        summary="A mesh lies outside the folder of the URDF and the folders given. It is not opened.",
+        reason="A file must not make a program read what it was not given.",
+        remedy="Give its folder: --package-dir DIR.",
+        example='<mesh filename="../../../etc/passwd"/>',
+    ),
+    Code(
+        name="mesh-remote",
+        severity="warning",
+        summary="A mesh is named by an address on a network, or by a scheme that is not known. It is not fetched.",
+        reason="Reading a robot never uses the network.",
+        remedy="Download it and name the file.",
+        example='<mesh filename="https://example.org/arm.stl"/>',
+    ),
+    Code(
+        name="mesh-scale",
+        severity="warning",
+        summary="The scale of a mesh has a zero or a negative number.",
+        reason="A scale of zero flattens the shape; a negative one turns it inside out, and some viewers show nothing.",
+        remedy="Give positive numbers; mirror the mesh itself.",
+        example='<mesh filename="arm.stl" scale="1 -1 1"/>',
+    ),
+    Code(
+        name="mesh-not-looked-up",
+        severity="info",
+        summary="Meshes are named by package://, and no folder was given to look them up in; or there are more than "
+        "1000 of them.",
+        reason="Whether they exist is not known; dynamics do not need them.",
+        remedy="Give the folder that holds the packages: --package-dir DIR.",
+        example='<mesh filename="package://arm_description/meshes/arm.stl"/>',
+    ),
+)

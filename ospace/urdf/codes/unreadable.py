@@ -1,0 +1,204 @@
+"""Reasons to refuse a file as a whole: it is no URDF, or its links are no tree."""
+
+from functools import partial
+
+from ospace.urdf.codes.code import Code
+
+_refused = partial(Code, severity="error", unreadable=True)
+
+FILES = (
+    _refused(
+        name="no-file",
+        summary="There is no file of that name.",
+        reason="Nothing can be read.",
+        remedy="Give the path of a URDF file, or the name of a robot that comes with ospace.",
+        example="ospace check no_such.urdf",
+    ),
+    _refused(
+        name="no-regular-file",
+        summary="The path is a folder, a FIFO, a socket or a device.",
+        reason="Reading a FIFO or a device may wait for ever, or never end.",
+        remedy="Give a regular file.",
+        example="ospace check /dev/zero",
+    ),
+    _refused(
+        name="unreadable-file",
+        summary="The operating system does not let the file be read.",
+        reason="Nothing can be read.",
+        remedy="Look at its permissions, and at the disk.",
+        example="chmod 0 robot.urdf",
+    ),
+    _refused(
+        name="too-large",
+        summary="The file has more bytes than are read: 20,000,000 by default.",
+        reason="A URDF of thousands of links has some megabytes; more is a mistake, or meant to exhaust memory.",
+        remedy="Take meshes and logs out of the file, or raise the limit: --max-bytes N, Limits(bytes=N).",
+        example="a URDF with a 100 MB comment",
+    ),
+    _refused(
+        name="not-text",
+        summary="The file is no UTF-8 text: compressed, binary, UTF-16, another encoding, or with a NUL byte.",
+        reason="A letter read as another gives a link another name, and a byte that is skipped may be a digit.",
+        remedy="Decompress it, or convert it: iconv -f UTF-16 -t UTF-8 in.urdf > out.urdf. A byte order mark may stay.",
+        example="robot.urdf.gz",
+    ),
+    _refused(
+        name="doctype",
+        summary="The file has a document type declaration.",
+        reason="URDF has none; its entities can expand one kilobyte into gigabytes, or draw other files in.",
+        remedy="Remove the <!DOCTYPE …> declaration.",
+        example="<!DOCTYPE robot [<!ENTITY mass '2'>]>",
+    ),
+    _refused(
+        name="not-xml",
+        summary="The file is no well-formed XML.",
+        reason="What a reader makes of it depends on the reader.",
+        remedy="Correct it at the line named; a file that ends too early was not written to its end.",
+        example='<robot name="r"><link name="base">',
+    ),
+    _refused(
+        name="too-deep",
+        summary="XML elements are nested more than 100 deep.",
+        reason="A URDF needs six levels; a hundred thousand overflow the stack of a reader.",
+        remedy="Look for an element that is not closed.",
+        example="<a><a><a>…",
+    ),
+    _refused(
+        name="too-many-attributes",
+        summary="An element has more than 64 attributes.",
+        reason="The richest element of URDF has six.",
+        remedy="Remove what is no URDF, or raise the limit: Limits(attributes=N).",
+        example='<link name="base" a0="" a1="" a2="" …/>',
+    ),
+    _refused(
+        name="too-long-attribute",
+        summary="An attribute has more than 10,000 characters.",
+        reason="No name or number is that long.",
+        remedy="Remove what is no URDF, or raise the limit: Limits(text=N).",
+        example='<link name="aaaaaaaa…"/>',
+    ),
+    _refused(
+        name="too-many-nodes",
+        summary="The file has more than 200,000 elements, attributes and comments.",
+        reason="Each costs some hundred bytes of memory, whatever it holds.",
+        remedy="Remove what is no URDF, or raise the limit: Limits(nodes=N).",
+        example="<a/><a/><a/>…",
+    ),
+    _refused(
+        name="not-urdf",
+        summary="The root element is not <robot>: SDF, MJCF, HTML, COLLADA or something else.",
+        reason="Nothing of it can be read as a robot.",
+        remedy="Give a URDF; SDF and MJCF have converters.",
+        example='<sdf version="1.6"><model name="m"/></sdf>',
+    ),
+    _refused(
+        name="xacro",
+        summary="The file is a xacro that was not expanded: it has xacro elements, or ${…} or $(…) in an attribute.",
+        reason="Links and numbers are still to be computed.",
+        remedy="Expand it first: xacro robot.xacro > robot.urdf.",
+        example='<mass value="${m}"/>',
+    ),
+    _refused(
+        name="second-robot",
+        summary="A <robot> stands inside <robot>.",
+        reason="Which of the two is meant cannot be told; readers pass over the inner one.",
+        remedy="Keep one robot a file.",
+        example='<robot name="a"><robot name="b"/></robot>',
+    ),
+    _refused(
+        name="no-robot-name",
+        summary="<robot> has no name.",
+        reason="URDF demands it, and Pinocchio's parser rejects the file.",
+        remedy='Give it one: <robot name="chaser">.',
+        example="<robot>",
+    ),
+)
+
+STRUCTURE = (
+    _refused(
+        name="no-links",
+        summary="<robot> has no <link>.",
+        reason="A robot needs at least its base.",
+        remedy="Give it a link with an <inertial>.",
+        example='<robot name="r"/>',
+    ),
+    _refused(
+        name="too-many-links",
+        summary="The robot has more than 2000 links, or a chain of more than 2000 joints.",
+        reason="Readers go down the tree by recursion, and their stack ends near 3,700 links.",
+        remedy="Merge links that are fixed to each other, or raise the limit: --max-links N, Limits(links=N). The "
+        "length of a chain cannot be raised.",
+        example='<link name="l0"/><link name="l1"/>…<link name="l2000"/>',
+    ),
+    _refused(
+        name="too-many-dof",
+        summary="The robot has more than 150 degrees of freedom, the base's six included.",
+        reason="Pinocchio's working memory takes 64 nv³ bytes: 216 MB at 150, 64 GB at 1000. What the memory of the "
+        "machine cannot hold is refused whatever the limit.",
+        remedy="Fix joints that do not matter, or raise the limit: --max-dof N, Limits(dof=N).",
+        example="150 links in a chain of revolute joints",
+    ),
+    _refused(
+        name="unnamed",
+        summary="A link or joint has no name.",
+        reason="Joints name their links, and results name joints.",
+        remedy="Give it a name that no other of its kind has.",
+        example="<link/>",
+    ),
+    _refused(
+        name="duplicate-name",
+        summary="Two links, or two joints, have the same name.",
+        reason="Which one a joint means cannot be told.",
+        remedy="Rename one of them.",
+        example='<link name="arm"/><link name="arm"/>',
+    ),
+    _refused(
+        name="joint-ends",
+        summary="A joint has no <parent link=…> or no <child link=…>.",
+        reason="It joins nothing.",
+        remedy="Name both links.",
+        example='<joint name="hinge" type="fixed"><parent link="base"/></joint>',
+    ),
+    _refused(
+        name="unknown-link",
+        summary="A joint names a link that does not exist.",
+        reason="It joins nothing.",
+        remedy="Correct the name, or add the link.",
+        example='<child link="amr"/>',
+    ),
+    _refused(
+        name="second-parent",
+        summary="A link is the child of two joints.",
+        reason="A URDF is a tree. Pinocchio's reader keeps one of the joints and says nothing of the other.",
+        remedy="Remove one of the two joints; URDF has no closed loops.",
+        example='two joints with <child link="arm"/>',
+    ),
+    _refused(
+        name="loop",
+        summary="Links hang from themselves.",
+        reason="A URDF is a tree. Pinocchio's reader leaves such links out, or never comes back.",
+        remedy="Cut the loop at one joint.",
+        example="a is the parent of b, and b of a",
+    ),
+    _refused(
+        name="two-roots",
+        summary="More than one link is the child of no joint.",
+        reason="The base would be one of them, and the mass of what hangs from the other would be lost.",
+        remedy="Join the others to the tree, by a fixed joint where nothing moves.",
+        example='<link name="base"/><link name="forgotten"/>',
+    ),
+    _refused(
+        name="rejected",
+        summary="Pinocchio builds no model of what was read.",
+        reason="Its message says why.",
+        remedy="As the message says; please report it, as ospace means to find the reason first.",
+        example="none is known",
+    ),
+    _refused(
+        name="parity",
+        summary="Pinocchio's model is not what the file says: a mass, centre, inertia, joint, axis or limit differs.",
+        reason="Every result would belong to another robot.",
+        remedy="Please report it with the file: no such file is known.",
+        example="none is known",
+    ),
+)

@@ -1,0 +1,62 @@
+"""What there is to know of a code: for ``ospace check --explain`` and for docs/findings.md, which is `page()`."""
+
+from __future__ import annotations
+
+from ospace.exceptions import OspaceError, closest
+from ospace.urdf.codes import CODES, GROUPS, Code
+
+_INTRODUCTION = """\
+# Findings
+
+Every finding of [`ospace check`](check.md), and every reason to refuse a file, by its code. Codes are stable. The page
+is written from `ospace/urdf/codes/`; `ospace check --explain CODE` prints one entry.
+
+- **error**: the model has no sound dynamics. `SpaceRobot.from_urdf` raises `UnsoundModelError` with all findings, the
+  command ends with status 1.
+- **refused**: the file is no URDF, or its links are no tree. `SpaceRobot.from_urdf` raises `UrdfError`, which has the
+  code, and the command ends with status 2.
+- **warning**: the model can be computed with, and is hardly what was meant.
+- **info**: worth knowing.
+
+Codes marked "repaired by `--fix`" are those for which there is one right repair.
+"""
+
+
+def text(name: str) -> str:
+    """Return all that is known of a code, to be read in a terminal.
+
+    Raises
+    ------
+    OspaceError
+        There is no such code.
+    """
+    if name not in CODES:
+        raise OspaceError(f"there is no code '{name}'{closest(name, CODES)}")
+    code = CODES[name]
+    return (
+        f"{code.name} ({_level(code)})\n{code.summary}\n\n"
+        f"Example  {code.example}\nReason   {code.reason}\nRemedy   {code.remedy}\n"
+    )
+
+
+def page() -> str:
+    """Return docs/findings.md."""
+    parts = [_INTRODUCTION]
+    for title, codes in GROUPS.items():
+        parts.append(f"\n## {title}\n")
+        for code in codes:
+            parts.append(
+                f"\n### `{code.name}`\n\n*{_level(code)}.* {_escaped(code.summary)}\n\n    {code.example}\n\n"
+                f"**Reason.** {_escaped(code.reason)}\n\n**Remedy.** {_escaped(code.remedy)}\n"
+            )
+    return "".join(parts)
+
+
+def _level(code: Code) -> str:
+    level = "refused" if code.unreadable else code.severity
+    return f"{level}, repaired by --fix" if code.fixable else level
+
+
+def _escaped(text: str) -> str:
+    """Keep Markdown from taking elements for HTML and J* for emphasis."""
+    return text.replace("<", "\\<").replace("*", "\\*")

@@ -1,0 +1,184 @@
+"""Findings on masses and tensors, of links as the file has them and of bodies as they move."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from ospace.kernels.tables import Floats
+from ospace.urdf.bodies import Body, tensor_of
+from ospace.urdf.codes import Severity
+from ospace.urdf.description import Link
+from ospace.urdf.findings import Finding, any_error, found
+
+ROUNDED = 1e-4
+"""Share of the largest moment up to which a violation is one of digits that were lost."""
+_ROUNDING, _POINT_LIKE = 1e-9, 1e-12  # of the middle moment; of m², radius of gyration squared around a point mass
+_NEGATIVE, _POINT_NEGATIVE = 1e-13, 1e-16  # the same for negative moments, which no digit that is lost excuses
+_GROSS = 1.0 - 1e-6  # of the largest moment: the digits of the other two are lost in it
+
+
+@dataclass(frozen=True)
+class Moving:
+    """A body of any model, as far as findings are concerned; the base is the first and has parent −1."""
+
+    subject: str
+    link: str
+    joint: str
+    parent: int
+    mass: float
+    centre: Floats
+    tensor: Floats
+    line: int | None = None
+    known: bool = False
+    """Whether its one link was looked at already."""
+
+
+def of_description(bodies: Sequence[Body]) -> list[Finding]:
+    """Look at each link, and at each body that fixed joints make of several."""
+    findings = [
+        finding for body in bodies for link in body.weighed for finding in _of_link(link, merged=len(body.weighed) > 1)
+    ]
+    moving = [
+        Moving(
+            body.subject,
+            body.link.name,
+            "" if body.joint is None else body.joint.name,
+            body.parent,
+            body.mass,
+            body.centre,
+            body.tensor,
+            body.link.line if body.joint is None else body.joint.line,
+            len(body.weighed) == 1,
+        )
+        for body in bodies
+    ]
+    return findings + _of_bodies(moving)
+
+
+def of_model(model: pin.Model) -> list[Finding]:
+    """Look at the bodies of a Pinocchio model with a free-flyer."""
+    moving = []
+    for j in range(1, model.njoints):
+        inertia, link = model.inertias[j], _link_of(model, j)
+        parent = model.parents[j] - 1
+        subject = f"link '{link}'"
+        moving.append(Moving(subject, link, str(model.names[j]), parent, inertia.mass, inertia.lever, inertia.inertia))
+    return _of_bodies(moving)
+
+
+def _of_bodies(bodies: Sequence[Moving]) -> list[Finding]:
+    findings: list[Finding] = []
+    beyond = np.array([body.mass for body in bodies])
+    for k in range(len(bodies) - 1, 0, -1):
+        beyond[bodies[k].parent] += beyond[k]
+    for k, body in enumerate(bodies):
+        if not body.known:
+            findings += _of_tensor(body.subject, body.mass, body.centre, body.tensor, body.line)
+        if k == 0:
+            findings += _of_base(body, alone=len(bodies) == 1 and not any_error(findings))
+        elif beyond[k] == 0.0:
+            message = "the joint moves links without any mass, so the joint-space inertia is singular"
+            remedy = f"Give link '{body.link}' an <inertial>, or make the joint fixed."
+            findings.append(found("massless-subtree", f"joint '{body.joint}'", message, remedy=remedy, line=body.line))
+        elif body.mass == 0.0:
+            message = f"the body on joint '{body.joint}' has no mass of its own"
+            findings.append(found("massless-link", f"link '{body.link}'", message, line=body.line))
+    return findings
+
+
+def _of_base(base: Moving, *, alone: bool) -> Iterator[Finding]:
+    subject = f"link '{base.link}'"
+    if base.mass == 0.0:
+        message = "the base, with all that is fixed to it, has no mass, so it could not float freely"
+        yield found("massless-base", subject, message, line=base.line)
+        return
+    if alone:
+        smallest, _, largest = np.linalg.eigvalsh(base.tensor)
+        if smallest <= 1e-12 * largest:
+            message = "the only body has no rotational inertia about an axis, so nothing resists a torque about it"
+            remedy = "Give its <inertia> three positive principal moments."
+            yield found("massless-base", subject, message, remedy=remedy, line=base.line)
+
+
+def _of_link(link: Link, *, merged: bool) -> Iterator[Finding]:
+    inertial = link.inertial
+    if inertial is None:
+        return
+    tensor, line, subject = tensor_of(inertial), inertial.line, link.subject
+    yield from _of_tensor(subject, inertial.mass, np.array(inertial.pose.xyz), tensor, line, merged=merged)
+    if inertial.mass == 0.0 and tensor.any():
+        yield found("inertia-without-mass", subject, "has rotational inertia and no mass", line=line)
+    if inertial.mass > 0.0 and not tensor.any():
+        message = f"{inertial.mass:g} kg in one point: the tensor is zero"
+        yield found("point-mass", subject, message, line=line)
+    if np.array_equal(tensor, np.eye(3)):
+        yield found("inertia-identity", subject, "the tensor is the unit matrix, the default of exporters", line=line)
+    if _about_origin(inertial.mass, np.array(inertial.pose.xyz), tensor):
+        message = "the tensor looks like one about the link's origin, not the centre of mass"
+        yield found("inertia-about-origin", subject, message, line=line)
+
+
+def _of_tensor(
+    subject: str, mass: float, centre: Floats, tensor: Floats, line: int | None, *, merged: bool = False
+) -> list[Finding]:
+    """Look at one mass and tensor about its centre; a link that is `merged` may lean on its neighbours."""
+    if not np.isfinite(np.r_[mass, centre, tensor.ravel()]).all():
+        message = "mass, centre of mass or inertia is not finite"
+        return [found("inertia-not-finite", subject, message, line=line)]
+    if mass < 0.0:
+        message = f"mass {mass:.6g} kg is negative"
+        return [found("negative-mass", subject, message, line=line, value=repr(mass))]
+    code, share = judge(mass, tensor)
+    if not code:
+        return []
+    moments = np.linalg.eigvalsh(tensor)
+    if code == "inertia-indefinite":
+        message = f"its tensor about the centre of mass has the negative principal moment {moments[0]:.6g} kg m²"
+        severity: Severity = "warning" if merged else "error"
+        return [found(code, subject, message, severity=severity, line=line, value=f"{moments[0]:.6g}")]
+    named = ", ".join(f"{moment:.6g}" for moment in moments)
+    message = (
+        f"principal moments {named} kg m² violate the triangle inequality by {share:.2g} of the largest: "
+        f"no distribution of mass has them"
+    )
+    severity = "error" if share > _GROSS and not merged else "warning"
+    return [found(code, subject, message, severity=severity, line=line, value=f"{moments[2]:.6g}")]
+
+
+def judge(mass: float, tensor: Floats) -> tuple[str, float]:
+    """Return the code of what is wrong with a tensor, "" for nothing, and by what share of its largest moment.
+
+    Two of the moments of a body sum up to the third at least. So rounding is measured by the middle one: beside a
+    largest moment that dwarfs the others, a negative one may still be no rounding.
+    """
+    smallest, middle, largest = np.linalg.eigvalsh(tensor)
+    excess = largest - smallest - middle
+    if smallest < -(_NEGATIVE * abs(middle) + _POINT_NEGATIVE * mass):
+        return "inertia-indefinite", float(max(-smallest, excess) / largest) if largest > 0.0 else np.inf
+    if excess > _ROUNDING * abs(middle) + _POINT_LIKE * mass:
+        share = float(excess / largest)
+        return "inertia-rounding" if share <= ROUNDED else "inertia-triangle", share
+    return "", 0.0
+
+
+def _about_origin(mass: float, centre: Floats, tensor: Floats) -> bool:
+    """Whether nearly all of the tensor is what the distance of the centre from the origin adds about the origin."""
+    added = mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))
+    total, apart = np.linalg.norm(tensor), np.linalg.norm(added)
+    if mass <= 0.0 or total == 0.0 or apart == 0.0:
+        return False
+    moments = np.linalg.eigvalsh(tensor - added)
+    sound = moments[0] >= 0.0 and moments[2] <= moments[0] + moments[1] + 1e-6 * total
+    return bool(sound and np.sum(tensor * added) > 0.99 * total * apart and np.trace(tensor - added) < 0.25 * total)
+
+
+def _link_of(model: pin.Model, j: int) -> str:
+    """Name of the link that joint `j` carries."""
+    for frame in model.frames:
+        if frame.type == pin.FrameType.BODY and frame.parentJoint == j and frame.placement.isIdentity(1e-12):
+            return str(frame.name)
+    return str(model.names[j])

@@ -1,0 +1,69 @@
+"""Findings on joints: limits, efforts, damping, mimicry, planes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from ospace.exceptions import closest
+from ospace.urdf.description import Description, Joint, Mimic
+from ospace.urdf.findings import Finding, found
+
+_LIMITED = ("revolute", "prismatic")
+_TWO_TURNS = 4.0 * math.pi
+_UNLIMITED = 1e6  # limits from here on mean "none": degrees are smaller
+
+
+def of_joints(description: Description, *, free_mimic: bool) -> Iterator[Finding]:
+    """Look at every joint."""
+    for joint in description.joints:
+        if joint.kind == "planar" and joint.axis != (0.0, 0.0, 1.0):
+            axis = " ".join(f"{x:g}" for x in joint.axis)
+            message = f"its axis is {axis}, and Pinocchio's planar joint knows 0 0 1 only"
+            yield found("planar-axis", joint.subject, message, line=joint.line)
+        if joint.mimic is not None and joint.kind != "fixed":
+            yield _mimic(description, joint, joint.mimic, free_mimic=free_mimic)
+        for name, value in (("damping", joint.damping), ("friction", joint.friction)):
+            if value < 0.0:
+                message = f"{name} {value:g} is negative"
+                yield found(f"{name}-negative", joint.subject, message, line=joint.line, value=repr(value))
+        yield from _limits(joint)
+
+
+def _limits(joint: Joint) -> Iterator[Finding]:
+    limit = joint.limit
+    if limit is None:
+        if joint.kind in _LIMITED:
+            message = f"{joint.kind} joint without <limit>, read as unlimited"
+            yield found("limits-missing", joint.subject, message, line=joint.line)
+        return
+    text = f"{limit.lower:g} to {limit.upper:g}"
+    if limit.lower > limit.upper:
+        yield found("limits-reversed", joint.subject, f"limits {text} are reversed", line=limit.line, value=text)
+    elif limit.lower == limit.upper:
+        message = f"limits {text} leave no room to move"
+        yield found("limits-zero", joint.subject, message, line=limit.line, value=text)
+    if joint.kind == "revolute" and any(_TWO_TURNS < abs(x) < _UNLIMITED for x in (limit.lower, limit.upper)):
+        message = f"limits {text} rad are more than two turns from zero: are they in degrees?"
+        yield found("units-angle", joint.subject, message, line=limit.line, value=text)
+    sizes = {"effort": limit.effort, "velocity": limit.velocity}
+    for code, what, named in (
+        ("effort-zero", "is zero", [name for name in sizes if sizes[name] == 0.0]),
+        ("effort-negative", "is negative", [name for name in sizes if sizes[name] < 0.0]),
+    ):
+        if named:
+            yield found(code, joint.subject, f"limit of {' and '.join(named)} {what}", line=limit.line)
+
+
+def _mimic(description: Description, joint: Joint, mimic: Mimic, *, free_mimic: bool) -> Finding:
+    of = mimic.joint
+    if free_mimic:
+        message = f"mimics '{of}' in the file and is an independent joint here: the coupling is not enforced"
+        remedy = f"Keep to positions in which it follows '{of}', or make the joint fixed."
+        return found("mimic-freed", joint.subject, message, remedy=remedy, line=mimic.line, value=of)
+    if of not in description.joint or of == joint.name:
+        movable = (one.name for one in description.joints if one.kind != "fixed")
+        near = "" if of == joint.name else closest(of, movable)
+        message = f"mimics '{of}', which is no other joint of the file{near}"
+        return found("mimic-unknown", joint.subject, message, line=mimic.line, value=of)
+    return found("mimic", joint.subject, f"mimics '{of}': the coupling cannot be kept", line=mimic.line, value=of)

@@ -1,0 +1,110 @@
+"""Where the meshes of a robot are, and findings on those that cannot be drawn. Nothing else is opened."""
+
+from __future__ import annotations
+
+import os
+import stat
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from ospace.urdf.description import Description, Link, Shape
+from ospace.urdf.findings import Finding, found
+
+_MOST = 1000  # files that are looked for
+_STL_HEADER, _STL_FACET = 84, 50  # bytes
+
+
+class MeshError(Exception):
+    """The mesh cannot be used; `code` is that of the finding."""
+
+    def __init__(self, code: str, reason: str) -> None:
+        super().__init__(reason)
+        self.code = code
+
+
+def locate(filename: str, urdf: Path, package_dirs: Sequence[Path]) -> Path:
+    """Return the file that a <mesh> names, within the folder of the URDF and the folders given.
+
+    Raises
+    ------
+    MeshError
+        It is missing, elsewhere, or no whole file.
+    """
+    scheme, _, rest = filename.partition("://") if "://" in filename else ("", "", filename)
+    if not rest:
+        raise MeshError("mesh-missing", "<mesh> has no filename")
+    if scheme in ("package", "model"):
+        package, _, inside = rest.partition("/")
+        choices = [folder / rest for folder in package_dirs]
+        choices += [folder / inside for folder in package_dirs if folder.name == package]
+        if not choices:
+            raise MeshError("mesh-not-looked-up", f"'{filename}' is in a package")
+    elif scheme in ("", "file"):
+        choices = [urdf.parent / rest]
+    else:
+        raise MeshError("mesh-remote", f"'{filename}' is an address, which is not fetched")
+    allowed = [os.path.realpath(folder) for folder in (urdf.parent, *package_dirs)]
+    inside_allowed = [
+        choice
+        for choice in choices
+        if any(os.path.commonpath([folder, os.path.realpath(choice)]) == folder for folder in allowed)
+    ]
+    if not inside_allowed:
+        raise MeshError("mesh-outside", f"'{filename}' lies outside the folders given")
+    there = [choice for choice in inside_allowed if os.path.lexists(choice)]
+    if not there:
+        raise MeshError("mesh-missing", f"'{filename}' is not there")
+    _check_whole(there[0], filename)
+    return there[0]
+
+
+def of_shapes(description: Description, urdf: Path, package_dirs: Sequence[Path]) -> Iterator[Finding]:
+    """Look for the meshes of all links."""
+    not_looked_up: dict[str, Shape] = {}
+    looked_for: set[str] = set()
+    for link in description.links:
+        told: set[str] = set()
+        for shape in link.shapes:
+            if shape.kind != "mesh" or shape.filename in told:
+                continue
+            told.add(shape.filename)
+            looked_for.add(shape.filename)
+            yield from _scale(link, shape)
+            try:
+                if len(looked_for) > _MOST:
+                    raise MeshError("mesh-not-looked-up", "there are too many")
+                locate(shape.filename, urdf, package_dirs)
+            except MeshError as error:
+                if error.code == "mesh-not-looked-up":
+                    not_looked_up.setdefault(shape.filename, shape)
+                else:
+                    yield found(error.code, link.subject, str(error), line=shape.line, value=shape.filename)
+    if not_looked_up:
+        first = next(iter(not_looked_up))
+        message = f"{len(not_looked_up)} meshes were not looked for, the first '{first}'"
+        yield found("mesh-not-looked-up", "file", message, line=not_looked_up[first].line, value=first)
+
+
+def _scale(link: Link, shape: Shape) -> Iterator[Finding]:
+    if min(shape.size) <= 0.0:
+        scale = " ".join(f"{factor:g}" for factor in shape.size)
+        message = f"'{shape.filename}' has the scale {scale}"
+        yield found("mesh-scale", link.subject, message, line=shape.line, value=scale)
+
+
+def _check_whole(path: Path, filename: str) -> None:
+    try:
+        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # a FIFO would wait for its writer
+        with open(descriptor, "rb") as file:
+            status = os.fstat(descriptor)
+            if not stat.S_ISREG(status.st_mode):
+                raise MeshError("mesh-unreadable", f"'{filename}' is no regular file")
+            start = file.read(_STL_HEADER)
+    except OSError as error:
+        raise MeshError("mesh-unreadable", f"'{filename}' cannot be read: {error.strerror}") from None
+    if not start:
+        raise MeshError("mesh-unreadable", f"'{filename}' is empty")
+    if path.suffix.lower() == ".stl" and not start.lstrip().startswith(b"solid"):
+        whole = _STL_HEADER + _STL_FACET * int.from_bytes(start[-4:], "little")
+        if len(start) < _STL_HEADER or status.st_size < whole:
+            raise MeshError("mesh-unreadable", f"'{filename}' is cut off: it has {status.st_size} bytes")

@@ -1,0 +1,71 @@
+"""Numbers of a URDF, strictly: what is not plainly a finite decimal number is none."""
+
+from __future__ import annotations
+
+import math
+import re
+
+LARGEST, SMALLEST, LIGHTEST = 1e12, 1e-100, 1e-20
+"""Sizes between which every mass, length or inertia lies that is not zero, and the lightest mass, in SI units: products
+and inverses of several must stay finite."""
+
+_PLAIN = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+_SPACE = " \t\r\n"
+
+
+class NumberError(ValueError):
+    """The text is no number; the message says why."""
+
+
+class RangeError(NumberError):
+    """The number is too large, or so small that it reads as zero."""
+
+
+def number(text: str, largest: float = math.inf, smallest: float = 0.0) -> float:
+    """Read one number, which white space may surround.
+
+    Raises
+    ------
+    NumberError
+        It is none, or none that is finite; `RangeError` where its size exceeds `largest`, or it is not zero and
+        smaller than `smallest`, or reads as zero.
+    """
+    word = text.strip(_SPACE)
+    if not _PLAIN.fullmatch(word):
+        raise NumberError(_reason(word))
+    value = float(word)
+    if math.isinf(value):
+        raise NumberError("is too large for a floating-point number")
+    if abs(value) > largest:
+        raise RangeError(f"is larger than {largest:g}")
+    if 0.0 < abs(value) < smallest:
+        raise RangeError(f"is smaller than {smallest:g} and not zero")
+    if value == 0.0 and re.search("[1-9]", re.split("[eE]", word)[0]):
+        raise RangeError("is so small that it reads as zero")
+    return value
+
+
+def numbers(text: str, count: int, largest: float = math.inf, smallest: float = 0.0) -> tuple[float, ...]:
+    """Read `count` numbers that white space separates; raises as `number` does."""
+    words = text.split()
+    if len(words) != count:
+        raise NumberError(f"has {len(words)} numbers instead of {count}")
+    return tuple(number(word, largest, smallest) for word in words)
+
+
+def has_space_around(text: str) -> bool:
+    """Whether white space surrounds the text."""
+    return text != text.strip(_SPACE)
+
+
+def _reason(word: str) -> str:
+    if not word:
+        return "is empty"
+    if re.fullmatch(r"[+-]?(nan|inf|infinity)", word, re.IGNORECASE):
+        return "is not finite"
+    if re.fullmatch(r"[+-]?0[xX][0-9a-fA-F.pP+-]+", word):
+        return "is hexadecimal"
+    if _PLAIN.fullmatch(word.replace(",", ".", 1)):
+        return "has a decimal comma"
+    leading = _PLAIN.match(word)
+    return f"has '{word[leading.end() :].strip()}' behind the number" if leading else "is no number"

@@ -1,0 +1,304 @@
+"""From XML elements to a `Description`; what does not say what it seems to becomes a finding."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import sys
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from typing import Literal, cast
+
+from lxml import etree
+
+from ospace.exceptions import closest
+from ospace.urdf.description import Description, Inertial, Joint, Limit, Link, Mimic, Pose, Shape, Triple
+from ospace.urdf.findings import Finding, found
+from ospace.urdf.numbers import LARGEST, LIGHTEST, SMALLEST, NumberError, RangeError, has_space_around, number, numbers
+from ospace.urdf.source import LEFT_ALONE, line_of
+
+KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+AXIS_TOO_SHORT, AXIS_OFF_UNIT = 1e-6, 1e-3
+TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+_POSE = {"xyz", "rpy"}
+_IN_LINK = {"inertial": {"name"}, "visual": {"name"}, "collision": {"name", "group"}}
+_IN_INERTIAL = {"origin": _POSE, "mass": {"value"}, "inertia": set(TENSOR)}
+_IN_JOINT = {
+    "origin": _POSE,
+    "parent": {"link"},
+    "child": {"link"},
+    "axis": {"xyz"},
+    "calibration": {"rising", "falling", "reference_position"},
+    "dynamics": {"damping", "friction"},
+    "limit": {"lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"},
+    "mimic": {"joint", "multiplier", "offset"},
+    "safety_controller": {"soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"},
+}
+_TOLD = 200  # findings of one kind
+_SLIP = 2  # characters by which a misspelt name may be longer or shorter
+_SEVERAL = {"visual", "collision"}
+
+
+def parse(root: etree._Element) -> tuple[Description, list[Finding]]:
+    """Read links and joints below <robot>."""
+    reader = _Reader()
+    links = tuple(reader.link(element) for element in root.iterfind("link"))
+    joints = tuple(reader.joint(element) for element in root.iterfind("joint"))
+    for element in root.iterfind("material"):
+        reader.colour(element, f"material '{element.get('name', '')}'")
+    return Description(root.get("name", ""), links, joints), [*reader.findings, *reader.untold()]
+
+
+class _Reader:
+    """Gathers findings on the way; where one is an error, the value in its place does not matter."""
+
+    def __init__(self) -> None:
+        self.findings: list[Finding] = []
+        self.count: Counter[str] = Counter()
+        self.errors = 0
+        self.subject = ""
+        self.code = ""
+
+    # -- links -----------------------------------------------------------------------------------------------
+
+    def link(self, element: etree._Element) -> Link:
+        name = element.get("name", "")
+        self.subject, self.code = f"link '{name}'", "inertial-unreadable"
+        self._look_at_children(element, _IN_LINK)
+        inertial = element.find("inertial")
+        shapes = tuple(self._shapes(element))
+        self.code = "inertial-unreadable"
+        return Link(line_of(element), name, None if inertial is None else self._inertial(inertial), shapes)
+
+    def _inertial(self, element: etree._Element) -> Inertial | None:
+        self._look_at_children(element, _IN_INERTIAL)
+        mass, inertia = element.find("mass"), element.find("inertia")
+        if mass is None or inertia is None:
+            missing = " and ".join(f"<{tag}>" for tag in ("mass", "inertia") if element.find(tag) is None)
+            self._add(self.code, f"<inertial> has no {missing}", element)
+            return None
+        before = self.errors
+        tensor = [self._scalar(inertia, key, largest=LARGEST, smallest=SMALLEST) for key in TENSOR]
+        pose, value = self._pose(element), self._scalar(mass, "value", largest=LARGEST, smallest=LIGHTEST)
+        if self.errors > before:
+            return None
+        xx, xy, xz, yy, yz, zz = tensor
+        return Inertial(line_of(element), pose, value, (xx, xy, xz, yy, yz, zz))
+
+    def _shapes(self, link: etree._Element) -> Iterator[Shape]:
+        self.code = "visual-unreadable"
+        for element in link.iterchildren("visual", "collision"):
+            before = self.count[self.code]
+            if (material := element.find("material")) is not None:
+                self.colour(material, self.subject)
+            shape = self._shape(element)
+            if shape is not None and shape.kind != "mesh" and min(shape.size) < 0.0:
+                self._add(self.code, f"<{shape.kind}> has a negative size", element, " ".join(map(str, shape.size)))
+            if shape is not None and self.count[self.code] == before:
+                yield shape
+
+    def _shape(self, element: etree._Element) -> Shape | None:
+        role = cast(Literal["visual", "collision"], element.tag)
+        child = next(element.iterfind("geometry/*"), None)
+        if child is None:
+            self._add(self.code, f"<{role}> has no shape in a <geometry>", element)
+            return None
+        pose, line = self._pose(element), line_of(child)
+        if child.tag == "mesh":
+            scale = self._vector(child, "scale", (1.0, 1.0, 1.0))
+            return Shape(line, role, pose, "mesh", scale, child.get("filename", ""))
+        if child.tag == "box":
+            return Shape(line, role, pose, "box", self._vector(child, "size", None))
+        if child.tag == "sphere":
+            return Shape(line, role, pose, "sphere", (self._scalar(child, "radius", largest=LARGEST),))
+        if child.tag in ("cylinder", "capsule"):
+            kind = cast(Literal["cylinder", "capsule"], child.tag)
+            radius, length = (self._scalar(child, key, largest=LARGEST) for key in ("radius", "length"))
+            return Shape(line, role, pose, kind, (radius, length))
+        self._add(self.code, f"<{role}> has the unknown shape <{_tag(child)}>", child)
+        return None
+
+    def colour(self, material: etree._Element, subject: str) -> None:
+        """Look at the colour of a material."""
+        self.subject, self.code = subject, "visual-unreadable"
+        colour = material.find("color")
+        if colour is not None:
+            self._numbers(colour, "rgba", 4)
+
+    # -- joints ----------------------------------------------------------------------------------------------
+
+    def joint(self, element: etree._Element) -> Joint:
+        name, kind = element.get("name", ""), element.get("type", "")
+        self.subject, self.code = f"joint '{name}'", "number-unreadable"
+        self._look_at_children(element, _IN_JOINT)
+        if kind not in KINDS:
+            what = f"type '{kind}' is unknown" if kind else "has no type"
+            self._add("joint-type", f"{what}{closest(kind, KINDS) if kind else ''}", element, kind)
+        ends = [element.find(end) for end in ("parent", "child")]
+        parent, child = ("" if end is None else end.get("link", "") for end in ends)
+        return Joint(
+            line_of(element),
+            name,
+            kind,
+            parent,
+            child,
+            self._pose(element),
+            self._axis(element, kind),
+            self._limit(element, kind),
+            *self._dynamics(element),
+            self._mimic(element),
+        )
+
+    def _axis(self, joint: etree._Element, kind: str) -> Triple:
+        axis = joint.find("axis")
+        if axis is None or kind in ("fixed", "floating"):
+            return (1.0, 0.0, 0.0)
+        before, text = self.errors, axis.get("xyz", "")
+        given = self._vector(axis, "xyz", None)
+        if self.errors > before:
+            return given
+        length = math.hypot(*given)
+        if length < AXIS_TOO_SHORT:
+            self._add("axis-zero", f"its axis '{text}' has no length", axis, text)
+            return given
+        if abs(length - 1.0) > AXIS_OFF_UNIT:
+            self._add("axis-not-unit", f"its axis '{text}' has length {length:.6g}", axis, text)
+        return given if length == 1.0 else (given[0] / length, given[1] / length, given[2] / length)
+
+    def _limit(self, joint: etree._Element, kind: str) -> Limit | None:
+        limit = joint.find("limit")
+        if limit is None or kind in ("fixed", "floating", "planar"):
+            return None
+        lower, upper = self._scalar(limit, "lower", 0.0), self._scalar(limit, "upper", 0.0)
+        if kind == "continuous":
+            lower, upper = -math.inf, math.inf
+        missing = [key for key in ("effort", "velocity") if key not in limit.attrib]
+        if missing:
+            self._add("effort-missing", f"<limit> has no {' and no '.join(missing)}, read as unlimited", limit)
+        effort, velocity = (self._scalar(limit, key, math.inf) for key in ("effort", "velocity"))
+        return Limit(line_of(limit), *map(_or_none, (lower, upper, effort, velocity)))
+
+    def _dynamics(self, joint: etree._Element) -> tuple[float, float]:
+        dynamics = joint.find("dynamics")
+        if dynamics is None:
+            return 0.0, 0.0
+        return self._scalar(dynamics, "damping", 0.0), self._scalar(dynamics, "friction", 0.0)
+
+    def _mimic(self, joint: etree._Element) -> Mimic | None:
+        mimic = joint.find("mimic")
+        if mimic is None:
+            return None
+        multiplier, offset = self._scalar(mimic, "multiplier", 1.0), self._scalar(mimic, "offset", 0.0)
+        return Mimic(line_of(mimic), mimic.get("joint", ""), multiplier, offset)
+
+    # -- values ----------------------------------------------------------------------------------------------
+
+    def _pose(self, above: etree._Element) -> Pose:
+        origin = above.find("origin")
+        if origin is None:
+            return Pose()
+        return Pose(self._vector(origin, "xyz", (0.0, 0.0, 0.0)), self._vector(origin, "rpy", (0.0, 0.0, 0.0)))
+
+    def _scalar(
+        self,
+        element: etree._Element,
+        key: str,
+        default: float | None = None,
+        *,
+        largest: float = math.inf,
+        smallest: float = 0.0,
+    ) -> float:
+        text = element.get(key)
+        if text is None:
+            if default is None:
+                self._add(self.code, f"<{_tag(element)}> has no {key}", element)
+            return 0.0 if default is None else default
+        if has_space_around(text):
+            message = f"{key}='{text}' of <{_tag(element)}> has white space around the number"
+            self._add("number-spaces", message, element, text)
+        try:
+            return number(text, largest, smallest)
+        except NumberError as error:
+            self._unreadable(element, key, text, error)
+            return math.nan  # which compares with nothing, so that nothing more is found of it
+
+    def _vector(self, element: etree._Element, key: str, default: Triple | None) -> Triple:
+        if default is not None and key not in element.attrib:
+            return default
+        x, y, z = self._numbers(element, key, 3)
+        return (x, y, z)
+
+    def _numbers(self, element: etree._Element, key: str, count: int) -> tuple[float, ...]:
+        text = element.get(key)
+        if text is None:
+            self._add(self.code, f"<{_tag(element)}> has no {key}", element)
+            return (0.0,) * count
+        if has_space_around(text) and text.strip():
+            message = f"{key}='{text}' of <{_tag(element)}> has white space around the numbers"
+            self._add("number-spaces", message, element, text, "info")
+        try:
+            return numbers(text, count, LARGEST, SMALLEST)
+        except NumberError as error:
+            self._unreadable(element, key, text, error)
+            return (0.0,) * count
+
+    def _unreadable(self, element: etree._Element, key: str, text: str, error: NumberError) -> None:
+        out_of_range = isinstance(error, RangeError) and self.code != "visual-unreadable"
+        code = "number-range" if out_of_range else self.code
+        self._add(code, f"{key}='{text}' of <{_tag(element)}> {error}", element, text)
+
+    def _look_at_children(self, element: etree._Element, known: dict[str, set[str]]) -> None:
+        """Name children, and attributes of children, that URDF does not have, and those that stand twice."""
+        seen: set[str] = set()
+        for child in element.iterchildren(etree.Element):
+            tag = _tag(child)
+            if tag.startswith("{") or tag in LEFT_ALONE:
+                continue
+            if tag not in known:
+                self._unknown(
+                    "unknown-element", f"<{_tag(element)}> has the unknown element <{tag}>", tag, known, child
+                )
+                continue
+            if tag in seen and tag not in _SEVERAL:
+                self._add("duplicate-element", f"<{_tag(element)}> has a second <{tag}>", child)
+            seen.add(tag)
+            for key in map(str, child.attrib):
+                if key not in known[tag] and not key.startswith("{"):
+                    what = f"<{tag}> has the unknown attribute '{key}'"
+                    self._unknown("unknown-attribute", what, key, known[tag], child)
+
+    def _unknown(self, code: str, what: str, name: str, known: Iterable[str], element: etree._Element) -> None:
+        """Take a name that is near to one of URDF for a slip, any other for one of another program."""
+        near = difflib.get_close_matches(name[:100].lower(), known, n=1) if self.count[code] < _TOLD else []
+        near = [one for one in near if abs(len(one) - len(name)) <= _SLIP]
+        message = f"{what}; did you mean '{near[0]}'?" if near else what
+        self._add(code, message, element, name, None if near else "info")
+
+    def _add(
+        self,
+        code: str,
+        message: str,
+        element: etree._Element,
+        value: str | None = None,
+        severity: Literal["info"] | None = None,
+    ) -> None:
+        finding = found(code, self.subject, message, line=line_of(element), value=value, severity=severity)
+        self.errors += finding.severity == "error"
+        self.count[code] += 1
+        if self.count[code] <= _TOLD:
+            self.findings.append(finding)
+
+    def untold(self) -> Iterator[Finding]:
+        """Say how many findings of a kind are left out."""
+        for code, count in self.count.items():
+            if count > _TOLD:
+                yield found(code, "file", f"{count - _TOLD} more of this kind are not told")
+
+
+def _or_none(limit: float) -> float:
+    """Take the largest number there is for no limit, as Pinocchio does."""
+    return math.copysign(math.inf, limit) if abs(limit) == sys.float_info.max else limit
+
+
+def _tag(element: etree._Element) -> str:
+    return str(element.tag)

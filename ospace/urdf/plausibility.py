@@ -1,0 +1,122 @@
+"""Findings on numbers that can be computed with and are hardly meant: shapes against masses, and units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from ospace.kernels.tables import Floats
+from ospace.urdf.bodies import Body, placement, tensor_of
+from ospace.urdf.description import Description, Inertial, Link, Shape
+from ospace.urdf.findings import Finding, found
+
+_FAR = 100.0  # m: the International Space Station is 109 m wide, its arm 17 m long
+_DENSEST, _THINNEST = 25_000.0, 0.1  # kg/m³
+_GYRATION_OVER_REACH, _REACH_OVER_GYRATION = 2.0, 50.0
+_MARKER = 0.02  # m: smaller boxes stand for a sensor or a frame
+_LIGHTEST = 1e-5  # of the robot's mass: lighter links are there to please simulators
+_HEAVIEST_ARM, _LIGHTEST_ARM = 100.0, 1e-6  # of the base's mass
+
+
+def of_links(description: Description) -> Iterator[Finding]:
+    """Look at the inertial of each link, at its shape, and at the lengths of joints."""
+    total = sum(link.inertial.mass for link in description.links if link.inertial is not None)
+    for link in description.links:
+        shapes = _solid(link.shapes)
+        inertial = link.inertial
+        if inertial is not None and inertial.mass > max(0.0, _LIGHTEST * total):
+            yield from _units(link, inertial)
+            if shapes:
+                yield from _against_shape(link, inertial, shapes)
+        if shapes and (size := float(np.ptp(_box(shapes), axis=0).max())) > _FAR:
+            yield found("units-length", link.subject, f"its shape is {size:g} m large", line=shapes[0].line)
+    for joint in description.joints:
+        if (length := math.hypot(*joint.pose.xyz)) > _FAR:
+            message = f"lies {length:g} m from the origin of link '{joint.parent}'"
+            yield found("units-length", joint.subject, message, line=joint.line, value=f"{length:g}")
+
+
+def of_bodies(bodies: Sequence[Body]) -> Iterator[Finding]:
+    """Compare the mass of the base with that of what hangs from it."""
+    base, rest = bodies[0].mass, sum(body.mass for body in bodies[1:])
+    if base > 0.0 and rest > 0.0 and not _LIGHTEST_ARM <= rest / base <= _HEAVIEST_ARM:
+        message = f"the base has {base:g} kg, and all that hangs from it {rest:g} kg"
+        yield found("mass-ratio", f"link '{bodies[0].link.name}'", message, value=f"{rest / base:g}")
+
+
+def _units(link: Link, inertial: Inertial) -> Iterator[Finding]:
+    away = math.hypot(*inertial.pose.xyz)
+    if away > _FAR:
+        message = f"its centre of mass is {away:g} m from its origin"
+        yield found("units-length", link.subject, message, line=inertial.line, value=f"{away:g}")
+    gyration = _gyration(inertial)
+    if gyration > _FAR:
+        message = f"its radius of gyration is {gyration:g} m"
+        yield found("units-inertia", link.subject, message, line=inertial.line, value=f"{gyration:g}")
+
+
+def _against_shape(link: Link, inertial: Inertial, shapes: Sequence[Shape]) -> Iterator[Finding]:
+    line, centre, box = inertial.line, np.array(inertial.pose.xyz), _box(shapes)
+    diagonal = float(np.linalg.norm(box[1] - box[0]))
+    if diagonal < _MARKER:
+        return
+    reach = float(np.linalg.norm(np.abs(box - centre).max(axis=0)))
+    gyration = _gyration(inertial)
+    compared = f"radius of gyration {gyration:.4g} m, farthest reach of its shape {reach:.4g} m"
+    if gyration > _GYRATION_OVER_REACH * reach:
+        yield found("gyration-large", link.subject, compared, line=line, value=f"{gyration:.4g}")
+    elif 0.0 < gyration < reach / _REACH_OVER_GYRATION:
+        yield found("gyration-small", link.subject, compared, line=line, value=f"{gyration:.4g}")
+    roles = [[shape for shape in shapes if shape.role == role] for role in ("visual", "collision")]
+    solid = max(sum(map(_volume, of_role)) for of_role in roles)
+    whole = float(np.prod(box[1] - box[0]))  # shapes may be no more than the corners of a link
+    if solid > 0.0 and (inertial.mass < _THINNEST * solid or inertial.mass > _DENSEST * whole):
+        volume = solid if inertial.mass < _THINNEST * solid else whole
+        density = inertial.mass / volume
+        message = f"{inertial.mass:g} kg in {volume:.4g} m³: {density:.4g} kg/m³"
+        yield found("density", link.subject, message, line=line, value=f"{density:.4g}")
+    outside = float(np.linalg.norm(np.maximum(0.0, np.maximum(box[0] - centre, centre - box[1]))))
+    if outside > 0.5 * diagonal:
+        message = f"its centre of mass lies {outside:.4g} m outside its shape"
+        yield found("centre-outside", link.subject, message, line=line, value=f"{outside:.4g}")
+
+
+def _gyration(inertial: Inertial) -> float:
+    return math.sqrt(max(0.0, float(np.linalg.eigvalsh(tensor_of(inertial))[2])) / inertial.mass)
+
+
+def _solid(shapes: Sequence[Shape]) -> list[Shape]:
+    """Return shapes of a role in which no mesh is: there the whole extent is known."""
+    with_mesh = {shape.role for shape in shapes if shape.kind == "mesh"}
+    return [shape for shape in shapes if shape.role not in with_mesh]
+
+
+def _box(shapes: Sequence[Shape]) -> Floats:
+    """Return lower and upper corner of the box around shapes, in the link's axes."""
+    corners = []
+    for shape in shapes:
+        R, p = placement(shape.pose)
+        half = np.abs(R) @ _half(shape)
+        corners += [p - half, p + half]
+    return np.array([np.min(corners, axis=0), np.max(corners, axis=0)])
+
+
+def _half(shape: Shape) -> Floats:
+    if shape.kind == "box":
+        return np.array(shape.size) / 2.0
+    radius = shape.size[0]
+    length = {"sphere": lambda: radius, "cylinder": lambda: shape.size[1] / 2.0}
+    along = length.get(shape.kind, lambda: shape.size[1] / 2.0 + radius)()
+    return np.array([radius, radius, along])
+
+
+def _volume(shape: Shape) -> float:
+    if shape.kind == "box":
+        return math.prod(shape.size)
+    radius = shape.size[0]
+    ball = 4.0 / 3.0 * math.pi * radius**3
+    if shape.kind == "sphere":
+        return ball
+    return math.pi * radius**2 * shape.size[1] + (ball if shape.kind == "capsule" else 0.0)

@@ -1,0 +1,233 @@
+"""A repaired copy of a URDF, for what has one right repair; every other byte stays as it is.
+
+Elements are found in the tree that lxml makes, and edited in the bytes of the file: expat tells where each one starts
+and ends.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from xml.parsers import expat
+
+import numpy as np
+from lxml import etree
+
+from ospace.exceptions import OspaceError
+from ospace.kernels.tables import Floats
+from ospace.urdf import source
+from ospace.urdf.inertia import ROUNDED, judge
+from ospace.urdf.numbers import NumberError, has_space_around, numbers
+from ospace.urdf.parse import AXIS_OFF_UNIT, AXIS_TOO_SHORT, TENSOR
+from ospace.urdf.source import Limits, line_of
+
+_UNLIMITED = "1e9"  # no robot gets there, and every reader can read it
+_NUMERIC = (
+    "link/inertial/*",
+    "link/visual/origin",
+    "link/visual/geometry/*",
+    "link/collision/origin",
+    "link/collision/geometry/*",
+    "joint/*",
+    "link/visual/material/color",
+    "material/color",
+)
+_WORDS = {"link", "joint", "filename", "name"}  # attributes that are no numbers
+_ATTRIBUTE = re.compile(rb"""\s*([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
+
+
+@dataclass(frozen=True)
+class Change:
+    """One repair: of which finding, where, and from what to what."""
+
+    code: str
+    subject: str
+    line: int | None
+    what: str
+
+    def __str__(self) -> str:
+        where = "" if self.line is None else f", line {self.line}"
+        return f"{self.code}: {self.subject}{where}: {self.what}"
+
+
+@dataclass(frozen=True)
+class _Edit:
+    """New attributes of an element, or text before its end tag."""
+
+    element: etree._Element
+    attributes: dict[str, str]
+    text: str = ""
+
+
+def write(path: Path, out: Path, limits: Limits | None = None) -> list[Change]:
+    """Write a repaired copy of `path` to `out`; return the changes, and write nothing where there are none.
+
+    Raises
+    ------
+    UrdfError
+        The file cannot be read, or is no URDF.
+    OspaceError
+        `out` exists, or cannot be written.
+    """
+    if os.path.lexists(out):
+        raise OspaceError(f"{out}: exists already, and nothing is overwritten: give another name")
+    content, changes = repaired(path, limits)
+    if changes:
+        try:
+            with open(out, "xb") as file:
+                file.write(content)
+        except OSError as error:
+            raise OspaceError(f"{out}: cannot be written: {error.strerror}") from None
+    return changes
+
+
+def repaired(path: Path, limits: Limits | None = None) -> tuple[bytes, list[Change]]:
+    """Return the content of a repaired copy of `path`, and what was changed."""
+    limits = limits or Limits()
+    content = source.content_of(path, limits)
+    root = source.parse(path, content, limits)
+    source.check_format(path, root)
+    found = [*_spaces(root), *_axes(root), *_limits(root), *_tensors(root)]
+    return _edited(content, root, [edit for edit, _ in found]), [change for _, change in found]
+
+
+# -- what is repaired --------------------------------------------------------------------------------------------
+
+
+def _spaces(root: etree._Element) -> Iterator[tuple[_Edit, Change]]:
+    for where in _NUMERIC:
+        for element in root.iterfind(where):
+            for key in map(str, element.attrib):
+                text = element.get(key, "")
+                if key not in _WORDS and has_space_around(text) and _read(text, len(text.split())):
+                    what = f"{key} of <{element.tag!s}> '{text}' becomes '{text.strip()}'"
+                    yield _Edit(element, {key: text.strip()}), _change("number-spaces", element, what)
+
+
+def _axes(root: etree._Element) -> Iterator[tuple[_Edit, Change]]:
+    for joint in root.iterfind("joint"):
+        axis = joint.find("axis")
+        given = None if axis is None else _read(axis.get("xyz", ""), 3)
+        if axis is None or given is None or joint.get("type") in ("fixed", "floating"):
+            continue
+        length = math.hypot(*given)
+        if length >= AXIS_TOO_SHORT and abs(length - 1.0) > AXIS_OFF_UNIT:
+            text = " ".join(_plain(value / length) for value in given)
+            what = f"its axis '{axis.get('xyz')}' becomes '{text}'"
+            yield _Edit(axis, {"xyz": text}), _change("axis-not-unit", axis, what)
+
+
+def _limits(root: etree._Element) -> Iterator[tuple[_Edit, Change]]:
+    for joint in root.iterfind("joint"):
+        kind, limit = joint.get("type"), joint.find("limit")
+        if limit is None and kind in ("revolute", "prismatic"):
+            text = f'<limit lower="-{_UNLIMITED}" upper="{_UNLIMITED}" effort="{_UNLIMITED}" velocity="{_UNLIMITED}"/>'
+            yield _Edit(joint, {}, text), _change("limits-missing", joint, f"gets {text}")
+        if limit is not None and kind in ("revolute", "prismatic", "continuous"):
+            missing = [key for key in ("effort", "velocity") if key not in limit.attrib]
+            if missing:
+                what = " and ".join(f'{key}="{_UNLIMITED}"' for key in missing)
+                edit = _Edit(limit, dict.fromkeys(missing, _UNLIMITED))
+                yield edit, _change("effort-missing", limit, f"<limit> gets {what}")
+
+
+def _tensors(root: etree._Element) -> Iterator[tuple[_Edit, Change]]:
+    for inertial in root.iterfind("link/inertial"):
+        element, mass = inertial.find("inertia"), inertial.find("mass")
+        if element is None or mass is None:
+            continue
+        read = [_read(element.get(key, ""), 1) for key in TENSOR] + [_read(mass.get("value", ""), 1)]
+        given = [value[0] for value in read if value is not None]
+        if len(given) < len(read) or given[-1] < 0.0:
+            continue
+        xx, xy, xz, yy, yz, zz, kilograms = given
+        tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        code, share = judge(kilograms, tensor)
+        if code and share <= ROUNDED:
+            nearest = dict(zip(TENSOR, _nearest(tensor)[np.triu_indices(3)].tolist(), strict=True))
+            now = dict(zip(TENSOR, given, strict=False))
+            changed = {key: _plain(nearest[key]) for key in TENSOR if nearest[key] != now[key]}
+            what = ", ".join(f"{key} '{element.get(key)}' becomes '{text}'" for key, text in changed.items())
+            yield _Edit(element, changed), _change(code, element, what)
+
+
+def _nearest(tensor: Floats) -> Floats:
+    """Return the tensor of the nearest distribution of mass: its second moments, Σ = ½ tr(I) 1 − I, not negative."""
+    moments, axes = np.linalg.eigh(0.5 * np.trace(tensor) * np.eye(3) - tensor)
+    sigma = axes * np.maximum(moments, 0.0) @ axes.T
+    return np.asarray(np.trace(sigma) * np.eye(3) - sigma)
+
+
+def _read(text: str, count: int) -> tuple[float, ...] | None:
+    try:
+        return numbers(text, count) or None
+    except NumberError:
+        return None
+
+
+def _plain(value: float) -> str:
+    return repr(value + 0.0).removesuffix(".0")
+
+
+def _change(code: str, element: etree._Element, what: str) -> Change:
+    part = next(one for one in (element, *element.iterancestors()) if one.tag in ("link", "joint", "material"))
+    return Change(code, f"{part.tag!s} '{part.get('name', '')}'", line_of(element), what)
+
+
+# -- in the bytes of the file ------------------------------------------------------------------------------------
+
+
+def _edited(content: bytes, root: etree._Element, edits: list[_Edit]) -> bytes:
+    starts, ends = _places(content)
+    number = {element: k for k, element in enumerate(root.iter(etree.Element))}
+    cuts: dict[tuple[int, int], bytes] = {}
+    for edit in edits:
+        k = number[edit.element]
+        if edit.text:
+            cuts[ends[k], ends[k]] = edit.text.encode()
+        cuts |= _cuts_in_tag(content, starts[k], edit)
+    # An axis may both lose white space and be divided by its length: the later edit of the same place holds.
+    ordered = sorted(cuts)
+    pieces = [content[: ordered[0][0]]] if ordered else [content]
+    for (start, end), (following, _) in pairwise([*ordered, (len(content), 0)]):
+        pieces += [cuts[start, end], content[end:following]]
+    return b"".join(pieces)
+
+
+def _cuts_in_tag(content: bytes, start: int, edit: _Edit) -> dict[tuple[int, int], bytes]:
+    cuts = {}
+    left = dict(edit.attributes)
+    at = start + 1 + len(str(edit.element.tag).encode())
+    while (match := _ATTRIBUTE.match(content, at)) is not None:
+        value = left.pop(match[1].decode(), None)
+        if value is not None:
+            cuts[match.start(2) + 1, match.end(2) - 1] = value.encode()
+        at = match.end()
+    if left:
+        cuts[at, at] = "".join(f' {key}="{value}"' for key, value in left.items()).encode()
+    return cuts
+
+
+def _places(content: bytes) -> tuple[list[int], list[int]]:
+    """Return where each element's start tag and end tag begin, in the order of the start tags."""
+    starts: list[int] = []
+    ends: list[int] = []
+    waiting: list[int] = []
+    parser = expat.ParserCreate("utf-8")
+
+    def start(name: str, attributes: dict[str, str]) -> None:
+        waiting.append(len(starts))
+        starts.append(parser.CurrentByteIndex)
+        ends.append(-1)
+
+    def end(name: str) -> None:
+        ends[waiting.pop()] = parser.CurrentByteIndex
+
+    parser.StartElementHandler, parser.EndElementHandler = start, end
+    parser.Parse(content, True)
+    return starts, ends

@@ -1,0 +1,89 @@
+"""Joints, and how the base is held."""
+
+from __future__ import annotations
+
+from urdf.corpus.parts import ARM, AXIS, LIMIT, joint, link, robot, variant
+
+for kind in ("ball", "Revolute", "", "hinge", "spherical"):
+    variant(f"type {kind!r}", ARM.replace('"revolute"', f'"{kind}"'), 1, "joint-type")
+variant("no type", ARM.replace(' type="revolute"', ""), 1, "joint-type")
+for kind in ("revolute", "continuous", "prismatic"):
+    variant(f"{kind}: no axis given", ARM.replace('"revolute"', f'"{kind}"').replace(AXIS, ""), 0)
+    for text in ("0 0 0", "-0 0 0", "1e-9 0 0"):
+        odd = ARM.replace('"revolute"', f'"{kind}"').replace("0 1 0", text)
+        variant(f"{kind}: axis {text}", odd, 1, "axis-zero")
+    for text in ("0 2 0", "1 1 1", "0 1e-3 0", "0 -1000 0"):
+        odd = ARM.replace('"revolute"', f'"{kind}"').replace("0 1 0", text)
+        variant(f"{kind}: axis {text}", odd, 0, "axis-not-unit")
+    rounded = ARM.replace('"revolute"', f'"{kind}"').replace("0 1 0", "0 0.707 0.707")
+    variant(f"{kind}: axis of three digits", rounded, 0)
+variant("planar about z", ARM.replace('"revolute"', '"planar"').replace("0 1 0", "0 0 1"), 0)
+variant("planar about y", ARM.replace('"revolute"', '"planar"'), 1, "planar-axis")
+variant("planar without axis", ARM.replace('"revolute"', '"planar"').replace(AXIS, ""), 1, "planar-axis")
+variant("floating between bodies", ARM.replace('"revolute"', '"floating"'), 0)
+for kind in ("revolute", "prismatic"):
+    variant(f"{kind} without limits", ARM.replace('"revolute"', f'"{kind}"').replace(LIMIT, ""), 0, "limits-missing")
+variant("continuous without limits", ARM.replace('"revolute"', '"continuous"').replace(LIMIT, ""), 0)
+variant("reversed limits", ARM.replace('lower="-1" upper="1"', 'lower="1" upper="-1"'), 0, "limits-reversed")
+variant("no room", ARM.replace('lower="-1" upper="1"', 'lower="0" upper="0"'), 0, "limits-zero")
+variant("no lower and upper", ARM.replace('lower="-1" upper="1" ', ""), 0, "limits-zero")
+variant("no effort", ARM.replace(' effort="10"', ""), 0, "effort-missing")
+variant("no velocity", ARM.replace(' velocity="1"', ""), 0, "effort-missing")
+variant("zero effort", ARM.replace('effort="10"', 'effort="0"'), 0, infos=["effort-zero"])
+variant("negative effort", ARM.replace('effort="10"', 'effort="-10"'), 1, "effort-negative")
+variant("negative velocity", ARM.replace('velocity="1"', 'velocity="-1"'), 1, "effort-negative")
+variant("negative damping", ARM.replace("</joint>", '<dynamics damping="-1"/></joint>'), 0, "damping-negative")
+variant("negative friction", ARM.replace("</joint>", '<dynamics friction="-1"/></joint>'), 1, "friction-negative")
+variant("degrees", ARM.replace('lower="-1" upper="1"', 'lower="-180" upper="180"'), 0, "units-angle")
+MIMIC = robot(
+    link("base"),
+    link("arm"),
+    link("hand"),
+    joint(),
+    joint("follow", child="hand", more=AXIS + LIMIT + '<mimic joint="hinge" multiplier="-1"/>'),
+)
+variant("mimic", MIMIC, 1, "mimic")
+variant("mimic that is freed", MIMIC, 0, "mimic-freed", options=["--free-mimic"])
+variant(
+    "mimic of a joint that is not there", MIMIC.replace('mimic joint="hinge"', 'mimic joint="hnge"'), 1, "mimic-unknown"
+)
+variant("mimic of itself", MIMIC.replace('mimic joint="hinge"', 'mimic joint="follow"'), 1, "mimic-unknown")
+variant("mimic without number", MIMIC.replace('"-1"/></joint>', '"x"/></joint>'), 1, "number-unreadable", "mimic")
+variant(
+    "world with a fixed base",
+    robot('<link name="world"/>', link("base"), joint("weld", "fixed", "world", "base", "")),
+    0,
+    "fixed-base",
+)
+variant(
+    "world with a fixed base and a fixed table",
+    robot(
+        '<link name="world"/>',
+        link("base"),
+        link("table"),
+        joint("weld", "fixed", "world", "base", ""),
+        joint("bolt", "fixed", "world", "table", ""),
+    ),
+    0,
+    "fixed-base",
+)
+variant(
+    "world with a floating base",
+    robot('<link name="world"/>', link("base"), joint("free", "floating", "world", "base", "")),
+    0,
+    infos=["floating-root"],
+)
+variant("world with a hinge", robot('<link name="world"/>', link("arm"), joint(parent="world")), 1, "massless-base")
+variant(
+    "world with two floating robots",
+    robot(
+        '<link name="world"/>',
+        link("a"),
+        link("b"),
+        joint("fa", "floating", "world", "a", ""),
+        joint("fb", "floating", "world", "b", ""),
+    ),
+    1,
+    "massless-base",
+)
+variant("heavy root on a floating joint", robot(link("base"), link("arm"), joint(kind="floating", more="")), 0)

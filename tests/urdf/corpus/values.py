@@ -1,0 +1,85 @@
+"""Numbers that are none, and elements that are not where they belong."""
+
+from __future__ import annotations
+
+import re
+
+from urdf.corpus.parts import ARM, AXIS, LIMIT, inertial, link, robot, variant
+
+NO_NUMBERS = (
+    "",
+    "nan",
+    "NaN",
+    "inf",
+    "-inf",
+    "1e400",
+    "-1e400",
+    "0x10",
+    "1,5",
+    "12 kg",
+    "1 2",
+    "1_000",
+    "one",
+    "1e",
+    "--1",
+    "1.2.3",
+    "٣",
+    "1d3",
+    "1.0f",
+    "+",
+    ".",
+    "infinity",
+)
+for text in NO_NUMBERS:
+    variant(f"mass {text!r}", ARM.replace('value="2"', f'value="{text}"', 1), 1, "inertial-unreadable")
+for text in NO_NUMBERS[1:]:
+    variant(f"axis {text!r}", ARM.replace("0 1 0", f"0 {text} 0"), 1, "number-unreadable")
+for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"):
+    variant(f"{key} nan", re.sub(f'{key}="[^"]*"', f'{key}="nan"', ARM, count=1), 1, "inertial-unreadable")
+    variant(f"{key} missing", re.sub(f' {key}="[^"]*"', "", ARM, count=1), 1, "inertial-unreadable")
+for text in ("1e13", "-1e13", "1e300", "1e-400", "1e-200"):
+    variant(f"mass {text}", ARM.replace('value="2"', f'value="{text}"', 1), 1, "number-range")
+    variant(f"origin {text}", ARM.replace("0.3 0 0", f"{text} 0 0"), 1, "number-range")
+for text in ("0 0", "0 0 0 0", "", "0;0;0", "0,3 0 0", "nan 0 0"):
+    variant(f"origin {text!r}", ARM.replace("0.3 0 0", text), 1, "number-unreadable")
+variant("mass of an atom", ARM.replace('value="2"', 'value="1e-26"', 1), 1, "number-range")
+variant("lower limit nan", ARM.replace('lower="-1"', 'lower="nan"'), 1, "number-unreadable")
+variant("effort in words", ARM.replace('effort="10"', 'effort="10 Nm"'), 1, "number-unreadable")
+variant("damping inf", ARM.replace("</joint>", '<dynamics damping="inf"/></joint>'), 1, "number-unreadable")
+variant("rpy of two", ARM.replace('xyz="0.3 0 0"', 'xyz="0.3 0 0" rpy="0 0"'), 1, "number-unreadable")
+variant("centre of mass in words", ARM.replace("0.1 0 0.05", "middle", 1), 1, "inertial-unreadable")
+variant("trailing space in a tensor", ARM.replace('"0.02"', '"0.02 "', 1), 0, "number-spaces")
+variant("leading tab in a mass", ARM.replace('value="2"', 'value="\t2"', 1), 0, "number-spaces")
+variant("line end in a limit", ARM.replace('lower="-1"', 'lower="-1\n"'), 0, "number-spaces")
+variant("space around an origin", ARM.replace('"0.3 0 0"', '" 0.3 0 0 "'), 0, infos=["number-spaces"])
+variant("many spaces between", ARM.replace('"0.3 0 0"', '"0.3   0\t0"'), 0)
+variant("signs and exponents", ARM.replace('"0.3 0 0"', '"+3.E-1 -0 .0e5"'), 0)
+
+variant("two inertials", ARM.replace("</link>", inertial() + "</link>", 1), 1, "duplicate-element")
+variant("two masses", ARM.replace("</inertial>", '<mass value="2"/></inertial>', 1), 1, "duplicate-element")
+for element in ('<origin xyz="0 0 0"/>', AXIS, LIMIT, '<child link="base"/>', '<parent link="arm"/>'):
+    variant(f"second {element[:7]} in a joint", ARM.replace("</joint>", element + "</joint>"), 1, "duplicate-element")
+variant("misspelt inertial", ARM.replace("inertial>", "inertail>", 2), 1, "unknown-element", "massless-base")
+variant("misspelt axis", ARM.replace("<axis", "<axes"), 0, "unknown-element")
+variant("misspelt xyz", ARM.replace('xyz="0.3 0 0"', 'xzy="0.3 0 0"'), 0, "unknown-attribute")
+variant("foreign element", ARM.replace("</link>", "<self_filter/></link>", 1), 0, infos=["unknown-element"])
+variant("element of a namespace", ARM.replace("</link>", '<d:x xmlns:d="http://example.org/d"/></link>', 1), 0)
+variant("no mass", ARM.replace('<mass value="2"/>', "", 1), 1, "inertial-unreadable")
+variant("mass as text", ARM.replace('<mass value="2"/>', "<mass>2</mass>", 1), 1, "inertial-unreadable")
+variant("no inertia", re.sub("<inertia .*?/>", "", ARM, count=1), 1, "inertial-unreadable")
+variant("empty inertial", robot(link("base", "<inertial/>")), 1, "inertial-unreadable")
+for shape in (
+    "<geometry/>",
+    "<geometry><cone/></geometry>",
+    '<geometry><box size="1 1"/></geometry>',
+    '<geometry><sphere radius="-1"/></geometry>',
+    '<geometry><cylinder radius="1"/></geometry>',
+    "",
+):
+    variant(f"visual {shape}", ARM.replace("</link>", f"<visual>{shape}</visual></link>", 1), 0, "visual-unreadable")
+variant(
+    "colour in words",
+    ARM.replace("</robot>", '<material name="m"><color rgba="red"/></material></robot>'),
+    0,
+    "visual-unreadable",
+)

@@ -1,0 +1,178 @@
+"""Mutations of sound files: ``PYTHONPATH=tests python -m urdf.fuzz --count 20000 --seed 1``.
+
+Whatever a file holds, nothing dies, and no robot that is made of it has an H that is not finite or is indefinite.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import time
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+from urdf.corpus import VARIANTS
+
+import ospace
+from ospace.dynamics.dense import Dense
+
+NUMBERS = [
+    "0",
+    "-1",
+    "1e-300",
+    "1e400",
+    "nan",
+    "inf",
+    "0x1",
+    "1,5",
+    " 2 ",
+    "1e12",
+    "-1e12",
+    "1e-12",
+    "",
+    "3.",
+    "1e9",
+    "1e200",
+    "-1e308",
+    "5e-324",
+    "1.7976931348623157e308",
+]
+WORDS = ["base", "arm", "hand", "hinge", "world", "fixed", "floating", "planar", "continuous", "prismatic", "", "\n"]
+TAGS = [
+    "<link/>",
+    "<joint/>",
+    "<inertial/>",
+    "</link>",
+    "<robot>",
+    "<!--",
+    "-->",
+    "<![CDATA[",
+    "&amp;",
+    "&#0;",
+    "<?x?>",
+]
+TOLERANCE = 1e-9  # of the unit diagonal: rounding, and the violation that inertias may have
+
+
+def mutated(rng: np.random.Generator, seeds: list[bytes]) -> bytes:
+    """Some changes to one of the seeds."""
+    content = seeds[rng.integers(len(seeds))]
+    changes = GENTLE if rng.integers(3) else ROUGH  # most of what is rough is no XML any more
+    for _ in range(int(rng.integers(1, 4))):
+        content = changes[rng.integers(len(changes))](rng, content)
+    return content
+
+
+def _of(rng: np.random.Generator, choices: list[str]) -> bytes:
+    return choices[rng.integers(len(choices))].encode()
+
+
+def _replace(pattern: bytes, rng: np.random.Generator, content: bytes, new: bytes) -> bytes:
+    places = list(re.finditer(pattern, content))
+    if not places:
+        return content
+    place = places[rng.integers(len(places))]
+    return content[: place.start()] + new + content[place.end() :]
+
+
+def _number(rng: np.random.Generator, content: bytes) -> bytes:
+    size = 10.0 ** (rng.integers(-2, 2) if rng.integers(2) else rng.integers(-13, 13))
+    random = f"{rng.normal() * size:.{rng.integers(1, 17)}g}".encode()
+    return _replace(
+        rb"(?<=[\" ])-?[0-9][0-9.e+-]*", rng, content, _of(rng, NUMBERS) if rng.integers(4) == 0 else random
+    )
+
+
+def _word(rng: np.random.Generator, content: bytes) -> bytes:
+    return _replace(rb"(?<=\")[a-z]+(?=\")", rng, content, _of(rng, WORDS))
+
+
+def _element(rng: np.random.Generator, content: bytes) -> bytes:
+    return _replace(rb"<[a-z]+[^<>]*/>", rng, content, b"" if rng.integers(2) else _of(rng, TAGS))
+
+
+def _attribute(rng: np.random.Generator, content: bytes) -> bytes:
+    return _replace(rb" [a-z]+=\"[^\"]*\"", rng, content, b"")
+
+
+def _cut(rng: np.random.Generator, content: bytes) -> bytes:
+    start = int(rng.integers(len(content) + 1))
+    return content[:start] + content[start + int(rng.integers(40)) :]
+
+
+def _repeat(rng: np.random.Generator, content: bytes) -> bytes:
+    start = int(rng.integers(len(content) + 1))
+    piece = content[start : start + int(rng.integers(300))]
+    to = int(rng.integers(len(content) + 1))
+    return content[:to] + piece + content[to:]
+
+
+def _insert(rng: np.random.Generator, content: bytes) -> bytes:
+    at = int(rng.integers(len(content) + 1))
+    return content[:at] + (_of(rng, TAGS) if rng.integers(2) else rng.bytes(int(rng.integers(1, 5)))) + content[at:]
+
+
+def _flip(rng: np.random.Generator, content: bytes) -> bytes:
+    if not content:
+        return content
+    changed = bytearray(content)
+    changed[rng.integers(len(content))] ^= 1 << int(rng.integers(8))
+    return bytes(changed)
+
+
+GENTLE = [_number, _number, _number, _number, _word, _element, _attribute]
+ROUGH = [_number, _word, _element, _attribute, _cut, _repeat, _insert, _flip]
+
+
+def verdict(file: Path, rng: np.random.Generator) -> str:
+    """Read the file; "robot", or the kind of refusal. Raises where the promise is broken."""
+    try:
+        robot = ospace.SpaceRobot.from_urdf(file, free_mimic=bool(rng.integers(2)))
+    except ospace.UrdfError as error:
+        return "refused" if error.code in str(error) else f"refused without the code {error.code}"
+    except ospace.UnsoundModelError as error:
+        errors = [finding for finding in error.findings if finding.severity == "error"]
+        return "unsound" if errors else "unsound without an error"
+    assert all(finding.severity != "error" for finding in robot.findings)
+    for _ in range(3):
+        q = pin.integrate(robot.model, robot.configuration(), rng.uniform(-3.0, 3.0, robot.nv))
+        H = Dense(robot.state(q), []).H
+        assert np.isfinite(H).all(), "H is not finite"
+        diagonal = np.diag(H)
+        assert (diagonal >= -TOLERANCE * np.abs(H).max()).all(), "H has a negative diagonal"
+        scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+        smallest = np.linalg.eigvalsh(scale[:, None] * H * scale)[0]
+        assert smallest >= -TOLERANCE * len(H), f"H is indefinite: {smallest}"
+    return "robot"
+
+
+def run(count: int, seed: int, folder: Path) -> Counter[str]:
+    """Read `count` mutations; the number of each verdict."""
+    rng = np.random.default_rng(seed)
+    seeds = [variant.content for variant in VARIANTS if len(variant.content) < 5000 and variant.status == 0]
+    seeds += [ospace.models.path(name).read_bytes() for name in ("planar_2r", "ets_vii")]
+    file, counts = folder / "mutated.urdf", Counter()
+    for k in range(count):
+        content = mutated(rng, seeds)
+        file.write_bytes(content)
+        try:
+            counts[verdict(file, rng)] += 1
+        except Exception as error:
+            kept = folder / f"broken_{seed}_{k}.urdf"
+            kept.write_bytes(content)
+            raise AssertionError(f"{kept}: {type(error).__name__}: {error}") from error
+    return counts
+
+
+if __name__ == "__main__":
+    import tempfile
+
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("--count", type=int, default=20_000)
+    options.add_argument("--seed", type=int, default=0)
+    given = options.parse_args()
+    start = time.perf_counter()
+    counted = run(given.count, given.seed, Path(tempfile.mkdtemp()))
+    print(f"{given.count} inputs, seed {given.seed}: {dict(counted)} in {time.perf_counter() - start:.0f} s")  # noqa: T201

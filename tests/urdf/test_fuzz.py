@@ -1,0 +1,30 @@
+"""A small run of the fuzzer; docs/check.md has the record of a large one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from urdf import fuzz
+
+from ospace.urdf import inertia
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_mutations(tmp_path, capfd, seed):
+    counts = fuzz.run(500, seed, tmp_path)
+    assert counts.keys() == {"refused", "unsound", "robot"}
+    assert counts["robot"] > 50
+    assert capfd.readouterr() == ("", "")
+
+
+def test_the_fuzzer_finds_a_reader_that_looks_away(tmp_path, monkeypatch):
+    """Without the findings on inertias, robots with an indefinite H come through, and the fuzzer must see them."""
+    monkeypatch.setattr(inertia, "of_description", lambda bodies: [])
+    with pytest.raises(AssertionError, match=r"indefinite|negative diagonal|not finite"):
+        fuzz.run(2000, 0, tmp_path)
+
+
+def test_mutations_differ():
+    rng = np.random.default_rng(0)
+    seeds = [variant.content for variant in fuzz.VARIANTS[:3]]
+    assert len({fuzz.mutated(rng, seeds) for _ in range(100)}) > 80
