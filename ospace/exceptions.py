@@ -52,7 +52,7 @@ class ScenarioError(OspaceError):
         self.path, self.problems = path, tuple(problems)
         self.key = self.problems[0][0] if self.problems else ""
         texts = [f"{key}: {what}" if key else what for key, what in self.problems]
-        super().__init__(f"{path}: " + (texts[0] if len(texts) == 1 else "".join(f"\n  {text}" for text in texts)))
+        super().__init__(f"{path}:" + (f" {texts[0]}" if len(texts) == 1 else "".join(f"\n  {text}" for text in texts)))
 
 
 class SimulationError(OspaceError):

@@ -42,6 +42,7 @@ from ospace.simulation import grasp, rigid_body, tumbling
 from ospace.state import State
 
 _LARGEST_FILE = 1_000_000
+_MOST_STEPS = 2_000_000
 _WITH_POINT = ("pose", "position", "orientation", "look_at", "relative_pose")
 _WITH_AXES = ("pose", "position", "orientation", "relative_pose", "centre_of_mass", "base_attitude", "momentum")
 _WITHOUT_GOAL = ("posture", "damping")
@@ -115,6 +116,10 @@ class _Reading:
             top.wrong("phase", "a scenario needs at least one phase, [[phase]]")
         phases = tuple(self.phase(one, shared, start, control) for one in tables)
         top.done()
+        longest = sum(phase.timeout for phase in phases)
+        if longest > _MOST_STEPS * control.step:
+            what = f"time-outs of {longest:g} s in all are more than {_MOST_STEPS} steps of {control.step:g} s"
+            top.wrong("phase", f"{what}: make them shorter, or control.step longer")
         names = [phase.name for phase in phases]
         for k, phase in enumerate(phases):
             if phase.name in names[:k]:
@@ -195,6 +200,9 @@ class _Reading:
             except OspaceError as error:
                 given.wrong("", str(error))
                 return MODES["floating"]
+        if "base" in table and not isinstance(table.data["base"], str):
+            table.wrong("base", f"{table.data['base']!r}: give the name of a mode, or a table{closest('', MODES)}")
+            return MODES["floating"]
         return MODES.get(table.text("base", "floating", MODES), MODES["floating"])
 
     def amount(self, table: Table, name: str) -> float | tuple[float, float, float]:

@@ -126,6 +126,8 @@ class Run:
         The worst of all segments, of the target by itself, and of grasps.
     seconds : float
         Wall time.
+    interrupted : bool
+        Ctrl-C ended it.
     """
 
     scenario: Scenario
@@ -133,17 +135,13 @@ class Run:
     segments: tuple[Segment, ...]
     certificate: Certificate
     seconds: float
-
-    @property
-    def interrupted(self) -> bool:
-        """Whether Ctrl-C ended it."""
-        return any(phase.outcome == "interrupted" for phase in self.phases)
+    interrupted: bool = False
 
     @property
     def complete(self) -> bool:
         """Whether all phases are complete."""
         done = [phase.outcome == "complete" for phase in self.phases]
-        return all(done) and len(done) == len(self.scenario.phases)
+        return all(done) and len(done) == len(self.scenario.phases) and not self.interrupted
 
     @property
     def passed(self) -> bool:

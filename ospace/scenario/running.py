@@ -156,21 +156,25 @@ class _Running:
         self.segments: list[Segment] = []
         self.certificates: list[Certificate] = []
         self.acts: list[Conserved] = []
+        self.interrupted = False
 
     def run(self) -> Run:
         began = clock.perf_counter()
         plans = list(self.scenario.phases)
-        while plans:
-            segment = [plans.pop(0)]
-            while plans and segment[-1].action is None:
-                segment.append(plans.pop(0))
-            if not self._segment(segment) or not self._act(segment[-1]):
-                break
+        try:
+            while plans:
+                segment = [plans.pop(0)]
+                while plans and segment[-1].action is None:
+                    segment.append(plans.pop(0))
+                if not self._segment(segment) or not self._act(segment[-1]):
+                    break
+        except KeyboardInterrupt:  # between segments; within one it is told by the trajectory
+            self.interrupted = True
         if self.target is not None:
             self.certificates += self.target.certificates
         certificate = worst([*self.certificates, Certificate(tuple(self.acts))])
         seconds = clock.perf_counter() - began
-        return Run(self.scenario, tuple(self.results), tuple(self.segments), certificate, seconds)
+        return Run(self.scenario, tuple(self.results), tuple(self.segments), certificate, seconds, self.interrupted)
 
     def _free(self, state: State) -> FreeMotion:
         control = self.scenario.control
@@ -206,15 +210,18 @@ class _Running:
             if phase.time:
                 to = phases[k + 1].first * self.period if k + 1 < len(phases) and phases[k + 1].time else end
                 result = phase.result(len(self.segments), to)
-                if failure and k == len(phases) - 1:
+                if failure and phase.outcome is None:
                     result = replace(result, outcome="failed", reason=failure)
                 self.results.append(result)
-        if not phases or not phases[-1].time:  # the first cycle of a phase came to nothing
-            self.results.append(_nothing(plans[max(0, len(phases) - 1)], len(self.segments), end, failure))
+        begun = [phase for phase in phases if phase.time]
+        going_on = not begun or begun[-1].outcome == "complete"
+        if (failure or trajectory.interrupted) and going_on and len(begun) < len(plans):
+            self.results.append(_nothing(plans[len(begun)], len(self.segments), end, failure))
         self.cycle = first + (len(trajectory) - 1) // self.ticks
         self.segments.append(self._recorded(robot, trajectory, first))
         self.certificates.append(trajectory.certificate())
         self.wheels = trajectory.wheel_momentum[-1]
+        self.interrupted = trajectory.interrupted
         if failure or trajectory.interrupted:
             return False
         self.state = robot.state(trajectory.q[-1], trajectory.v[-1])

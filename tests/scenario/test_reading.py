@@ -174,6 +174,8 @@ MISTAKES = {
         "phase[0].task[0].goal.duration",
         "120.5 s of motion",
     ),
+    "too many steps": ("step = 0.001", "step = 1e-6", "phase", "more than 2000000 steps of 1e-06 s"),
+    "a base of no kind": ('base = "floating"', "base = 3", "robot.base", "give the name of a mode, or a table"),
     "not whole": ("step = 0.001", "step = 0.0015", "control.period", "no whole number of steps"),
     "two phases of one name": ('name = "two"', 'name = "one"', "phase[1].name", "two phases are called 'one'"),
     "nothing ends a phase": ("duration = 1\n", "", "phase[2]", "nothing ends the phase"),

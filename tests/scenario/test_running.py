@@ -260,7 +260,18 @@ def test_a_simulation_that_fails_keeps_what_was_run(made, monkeypatch):
     assert run.duration == pytest.approx(0.205)
 
 
-@pytest.mark.parametrize("when", [0.0, 0.03, 0.2])
+def test_a_phase_that_cannot_begin(made):
+    """The one before it stays complete."""
+    turning = SHORT.replace('type = "position"', 'type = "pose"').replace(
+        'shift = ["-1 cm", "1 cm", 0]', 'turn = [0, 0, "180 deg"]'
+    )
+    run = scenario.run(made(turning))
+    assert [phase.outcome for phase in run.phases] == ["complete", "failed"]
+    assert "turn by more than 175 deg" in run.phases[1].reason
+    assert run.phases[1].start == run.phases[1].end
+
+
+@pytest.mark.parametrize("when", [0.0, 0.03, 0.045, 0.05, 0.2, 0.35])
 def test_an_interrupt_keeps_what_was_run(made, when):
     def interrupt(time):
         if time >= when:
@@ -269,7 +280,7 @@ def test_an_interrupt_keeps_what_was_run(made, when):
     run = scenario.run(made(SHORT), interrupt)
     assert run.interrupted
     assert not run.passed
-    assert run.phases[-1].outcome == "interrupted"
+    assert run.phases[-1].outcome == ("complete" if when == 0.35 else "interrupted")  # its last cycle was on its way
     assert run.duration == pytest.approx(when, abs=0.011)
     assert run.phases[-1].end == run.segments[-1].trajectory.time[-1]
 
