@@ -1,5 +1,6 @@
 """Every example runs, and says something."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -23,3 +24,13 @@ def test_the_published_singularity_is_among_those_found():
     done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=300, check=True)
     found = {row.split()[0]: [float(word) for word in row.split()[1:]] for row in done.stdout.splitlines()[1:]}
     assert any(abs(angle + 11.41) < 0.01 for angle in found["-65"])
+
+
+def test_the_grasp_of_the_library_example():
+    script = next(script for script in SCRIPTS if script.stem == "grasp")
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=300, check=True)
+    distance, angle = (float(word) for word in re.findall(r"hand off by (\S+) mm, (\S+) deg", done.stdout)[0])
+    assert distance < 0.01  # asked for: 1 mm, 0.1 deg
+    assert angle < 1e-3
+    assert "FAIL" not in done.stdout
+    assert sum(bool(line.strip()) for line in script.read_text().splitlines()) < 30

@@ -17,7 +17,7 @@ from ospace.exceptions import SimulationError
 from ospace.kernels import tasks as kernel
 from ospace.kernels.tables import Floats
 from ospace.robot import SpaceRobot
-from ospace.scenario.description import GraspPlan, PhasePlan, Release, Scenario
+from ospace.scenario.description import Follow, GraspPlan, PhasePlan, Release, Scenario
 from ospace.scenario.motion import FreeMotion
 from ospace.scenario.references import Start
 from ospace.scenario.result import Outcome, PhaseResult, Run, Segment, TaskErrors, worst
@@ -242,6 +242,9 @@ class _Running:
         if isinstance(plan.action, Release) and self.held is not None:
             self.state, target = self.held.release(self.state.q, self.state.v)
             self.held, self.target = None, self._free(target)
+            for task in (task for phase in self.scenario.phases for task in phase.tasks):
+                if isinstance(task.goal, Follow):
+                    self.shared.pop(task.name, None)  # it followed the target as it moved before the grasp
         elif isinstance(plan.action, GraspPlan) and self.target is not None:
             return self._grasp(plan.action, self.target)
         return True

@@ -245,6 +245,26 @@ def test_a_release_gives_both_back(made):
     np.testing.assert_allclose(last.trajectory.v[0], held.trajectory.v[-1], rtol=0, atol=1e-12)
 
 
+def test_a_task_of_all_phases_follows_the_target_anew_after_its_release(made):
+    """Held, the target was moved; what follows it from then on is not where it would have been by itself."""
+    text = SHORT.replace("[control]", '[target]\nmodel = "target"\nvelocity = ["-5 cm/s", 0, 0]\n[control]')
+    look = '[[task]]\nname = "look"\ntype = "look_at"\npoint = "end_effector"\ngoal = { follow = "grapple" }\nweight = 1e-6\n'
+    still = '\n[[phase.task]]\nname = "look"\ntype = "damping"\n'
+    text = text.split("[[phase]]")[0].replace("5 ms", "1 ms") + look
+    held = 'grasp = { hand = "end_effector", fixture = "grapple", position = inf, angle = inf }'
+    text += f'[[phase]]\nname = "one"\nduration = 0.5\ntimeout = 1\n{held}\n'
+    text += f'[[phase]]\nname = "two"\nduration = 1\ntimeout = 2\nrelease = true\n{still}'
+    text += '[[phase]]\nname = "three"\nduration = 0.1\ntimeout = 1\n'
+    run = scenario.run(made(text))
+    assert run.complete, [phase.reason for phase in run.phases]
+    last = run.segments[-1]
+    q, v = last.trajectory.q[0], last.trajectory.v[0]
+    tip, axis = last.robot.state(q, v).placement(last.robot.point("end_effector")), np.array([1.0, 0.0, 0.0])
+    line = last.target.state(last.target_q[0]).placement(last.target.point("grapple")).translation - tip.translation
+    angle = math.acos(tip.rotation @ axis @ line / np.linalg.norm(line))
+    assert run.phases[2].errors["look"].norms[0, 1] == pytest.approx(angle, abs=1e-9)
+
+
 def test_a_simulation_that_fails_keeps_what_was_run(made, monkeypatch):
     honest = running.Controller.update
 
