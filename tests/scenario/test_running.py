@@ -248,7 +248,8 @@ def test_a_release_gives_both_back(made):
 def test_a_task_of_all_phases_follows_the_target_anew_after_its_release(made):
     """Held, the target was moved; what follows it from then on is not where it would have been by itself."""
     text = SHORT.replace("[control]", '[target]\nmodel = "target"\nvelocity = ["-5 cm/s", 0, 0]\n[control]')
-    look = '[[task]]\nname = "look"\ntype = "look_at"\npoint = "end_effector"\ngoal = { follow = "grapple" }\nweight = 1e-6\n'
+    look = '[[task]]\nname = "look"\ntype = "look_at"\npoint = "end_effector"\nweight = 1e-6\n'
+    look += 'goal = { follow = "grapple" }\n'
     still = '\n[[phase.task]]\nname = "look"\ntype = "damping"\n'
     text = text.split("[[phase]]")[0].replace("5 ms", "1 ms") + look
     held = 'grasp = { hand = "end_effector", fixture = "grapple", position = inf, angle = inf }'
