@@ -22,7 +22,7 @@ class Base:
     force : float, three floats, or None
         Largest force of thrusters along x, y, z, N; None or 0 for none.
     torque : float, three floats, or None
-        Largest torque about x, y, z, N m.
+        Largest torque about x, y, z, N m; of wheels that on the base, for their own turning with it included.
     wheels : bool
         Torques come of reaction wheels, which store the angular momentum that they take, instead of thrusters.
     wheel_momentum : float
@@ -36,7 +36,10 @@ class Base:
 
     def __post_init__(self) -> None:
         for name in ("force", "torque"):
-            limits = _three(getattr(self, name))
+            try:
+                limits = _three(getattr(self, name))
+            except (TypeError, ValueError):
+                limits = np.empty(0)
             if limits.shape != (3,) or not (limits >= 0.0).all():
                 raise OspaceError(f"base {name} {getattr(self, name)!r}: give one or three numbers from 0 on, or None")
         if not self.wheel_momentum > 0.0:
@@ -66,6 +69,6 @@ def parse_base(base: Base | str) -> Base:
     """Return the base of that name, or the one given."""
     if isinstance(base, Base):
         return base
-    if base not in MODES:
+    if not isinstance(base, str) or base not in MODES:
         raise OspaceError(f"base mode {base!r} is unknown{closest(str(base), MODES)}")
     return MODES[base]

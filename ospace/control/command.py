@@ -54,7 +54,7 @@ class Command:
     base_wrench : (6,)
         Of thrusters on the base, inertial axes, at the base-link frame's origin; N, N m.
     wheel_torque : (3,)
-        Of reaction wheels on the base, inertial axes; N m.
+        Of reaction wheels on the base, inertial axes, for their own turning with it included; N m.
     joint_acceleration : (n,)
         rad/s², m/s².
     base_acceleration : (6,)
@@ -116,7 +116,10 @@ class Command:
 
     @property
     def rank(self) -> int:
-        """Rank of the generalized Jacobian, with the base's actuation, of all tasks about points."""
+        """Rank of the generalized Jacobian, with the base's actuation, of all tasks about points; cut at 1e-9 of σ_max.
+
+        Columns of the actuation are those of forces over the robot's mass and of torques over the base's mean inertia.
+        """
         values = self._singular_values
         return int((values > 1e-9 * values.max(initial=0.0)).sum())
 
@@ -138,6 +141,8 @@ class Command:
         """The status in words."""
         if self.status == "nominal":
             return "nominal: all limits are kept"
+        if self.status == "softened" and not self.softened:
+            return "softened: the limits leave next to no room; all are kept but for rounding"
         if self.status == "softened":
             worst = ", ".join(f"'{joint}' by {excess:.3g}" for joint, excess in self.softened.items())
             return f"softened: torque limits leave no way to keep the motion limits; accelerations pass theirs: {worst}"

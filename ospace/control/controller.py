@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from ospace.checks import checked_vector
 from ospace.control.base import Base, parse_base
 from ospace.control.command import Command, Layout, Status, Timing
 from ospace.control.limits import JointLimits, bounded
-from ospace.control.priorities import Level, solve_by_levels, solve_with_slack
-from ospace.control.references import Constant, Function, Reference
+from ospace.control.priorities import Level, relaxed, solve_by_levels
+from ospace.control.references import Constant, Function, MinimumJerk, Reference
 from ospace.control.solvers import solver_named
-from ospace.control.tasks import LookAtTask, PostureTask, Task
+from ospace.control.tasks import DampingTask, LookAtTask, PostureTask, Task
 from ospace.control.tasks.base_attitude import base_point
 from ospace.dynamics.evaluator import OperationalSpaceEvaluator
 from ospace.exceptions import OspaceError, closest
@@ -26,6 +27,8 @@ from ospace.points import OperationalPoint
 from ospace.robot import SpaceRobot
 
 _COMPONENTS = ("force x", "force y", "force z", "torque x", "torque y", "torque z")
+_ROUNDING = 1e-5
+"""Excess over a bound, relative to it and at least to 1, that is a solver's tolerance, summed over levels."""
 _EXCESS = 1e-5
 """Excess over motion limits that counts as one, rad/s²."""
 _BRAKING_TIME = 0.1
@@ -58,6 +61,13 @@ class Controller:
         rows) count as near a dynamic singularity, and their joints are damped.
     damping : float
         Weight of that damping at the singularity, relative to the mean diagonal of J Jᵀ.
+    wheel_momentum : (3,)
+        What reaction wheels store at the first cycle, inertial axes; N m s.
+
+    Attributes
+    ----------
+    wheel_momentum : (3,)
+        What they store now, by the torques commanded so far, each for one `period`; set it where it is measured.
 
     Raises
     ------
@@ -69,7 +79,7 @@ class Controller:
     def __init__(
         self,
         robot: SpaceRobot,
-        tasks: Sequence[Task],
+        tasks: Task | Sequence[Task],
         *,
         base: Base | str = "floating",
         limits: JointLimits | None = None,
@@ -79,11 +89,15 @@ class Controller:
         regularization: float = 1e-6,
         singular: float = 1e-5,
         damping: float = 1e-2,
+        wheel_momentum: npt.ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
-        self.robot, self.tasks, self.period = robot, tuple(tasks), _above_zero("period", period)
+        self.tasks = (tasks,) if isinstance(tasks, Task) else tuple(tasks)
+        self.robot, self.period = robot, _above_zero("period", period)
         self.base, self.limits = parse_base(base), limits or JointLimits.of(robot)
         self._solve = solver_named(solver)
         self._refuse_repeated_names()
+        for task in self.tasks:
+            task.check(robot, self.base)
         if len(self.limits.torque) != robot.n_joints:
             raise OspaceError(f"limits are of {len(self.limits.torque)} joints; '{robot.name}' has {robot.n_joints}")
         self._points = [base_point(robot), *(point for task in self.tasks for point in task.points)]
@@ -101,15 +115,14 @@ class Controller:
             np.zeros((size, size)), np.zeros(size), np.zeros((n, size)), bounds[0], bounds[1], cause
         )
         self._answer = kernel.Answer(np.zeros(n), np.zeros((1, 6)), np.zeros(m))
-        self._regularization = _above_zero("regularization", regularization)
         weights = np.array([task.weight if task.level is None else 0.0 for task in self.tasks])
         self._weights = kernel.Weights(
             weights,
-            self._regularization,
+            _above_zero("regularization", regularization),
             _above_zero("singular", singular),
             _above_zero("damping", damping),
             np.ones(len(self.tasks)),
-            np.zeros((6, 6)),
+            np.zeros((m, size)),
         )
         largest = self.base.limits[self._base.component] / self._base.scale
         self._limits = kernel.Limits(
@@ -122,8 +135,8 @@ class Controller:
             _above_zero("braking", braking),
         )
         self._wheel_rows = self._base.component >= 3 if self.base.wheels else np.zeros(size - n, dtype=bool)
-        self._largest = largest
-        self.wheel_momentum = np.zeros(3)
+        self._on_wheels, self._largest = bool(self._wheel_rows.any()), largest
+        self.wheel_momentum = checked_vector(wheel_momentum, 3, "wheel_momentum", robot.name)
         first = self._tasks.first
         geometric = [
             np.arange(first[t], first[t + 1]) for t in range(len(self.tasks)) if self._tasks.kind[t] <= LOOK_AT
@@ -138,7 +151,7 @@ class Controller:
         )
         self._levels = sorted({task.level for task in self.tasks if task.level is not None})
         self._moving: list[tuple[int, Function]] = []
-        self._begun = False
+        self._begun, self._time = False, 0.0
         self._references: list[Reference | None] = [None] * len(self.tasks)
         for t, task in enumerate(self.tasks):
             if task.reference is not None:
@@ -157,38 +170,56 @@ class Controller:
             contradict each other are no error: `Command.status` tells.
         """
         start = clock.perf_counter()
+        if not np.isfinite(time):
+            raise OspaceError(f"time is {time!r}: give a finite one, s")
         run = self._run.update(q, v)
         if not self._begun:
-            self._begin(time)
+            self._begin()
+        self._time = time
         evaluated = clock.perf_counter()
         for t, reference in self._moving:
             reference.write(self._tasks.reference[t], time)
-        if self._wheel_rows.any():
+        if self._on_wheels:
             self._limit_wheels()
         kernel.assemble(time, run.work, self._base, self._tasks, self._limits, self._weights, self._rows, self._program)
         assembled = clock.perf_counter()
         z, status, softened = self._solution()
         solved = clock.perf_counter()
-        kernel.finish(z, run.work, self._base, self._rows, self._program, self._answer)
         self._watch(time)
-        return self._command(time, z, status, softened, (start, evaluated, assembled, solved))
+        return self._command(z, status, softened, (start, evaluated, assembled, solved))
 
-    def completed(self, name: str, time: float) -> bool:
-        """Whether the task's completion test has held for its time, at `time` of the last cycle; s."""
+    def completed(self, name: str) -> bool:
+        """Whether the task's completion test has held for its time in the last cycle.
+
+        It does not before a `MinimumJerk` has come to rest; a `Function` is compared with where it is.
+        """
         t = self._index(name)
         completion = self.tasks[t].completion
         if completion is None:
             raise OspaceError(f"task '{name}' has no completion test")
-        return bool(time - self._inside_since[t] >= completion.hold - 1e-12)
+        return bool(self._time - self._inside_since[t] >= completion.hold - 1e-12)
 
-    def follow(self, name: str, reference: Reference) -> None:
-        """Give a task another reference, from the next cycle on."""
+    def follow(self, name: str, reference: Reference | Mapping[str, float]) -> None:
+        """Give a task another reference, or a posture task another posture, from the next cycle on."""
         t = self._index(name)
-        self._set_reference(t, reference)
+        task = self.tasks[t]
+        if isinstance(task, PostureTask):
+            if not isinstance(reference, Mapping):
+                raise OspaceError(f"task '{name}': give a posture by joint names")
+            PostureTask(name=name, posture=reference).rows(self.robot)
+            for joint, position in reference.items():
+                self._tasks.posture[t, self.robot.joint_names.index(joint)] = position
+        elif isinstance(task, DampingTask) or isinstance(reference, Mapping):
+            raise OspaceError(f"task '{name}' follows no such reference: {reference!r}")
+        else:
+            type(task)(**{**vars(task), "reference": reference})  # refuses what the task cannot follow
+            self._set_reference(t, reference)
         self._inside_since[t] = np.nan
 
     def pose(self, point: OperationalPoint) -> pin.SE3:
         """Pose of a point of one of the tasks in the state of the last cycle, inertial axes."""
+        if not self._begun:
+            raise OspaceError("there is no cycle yet: call update(time, q, v) first")
         for e, known in enumerate(self._points):
             if known.joint == point.joint and known.placement == point.placement:
                 return self._pose(e)
@@ -196,51 +227,75 @@ class Controller:
 
     def _solution(self) -> tuple[Floats, Status, dict[str, float]]:
         """Solve; else let motion limits give way; else brake."""
-        z = self._by_levels() if self._levels else self._solve(self._program)
-        if z is not None and np.isfinite(z).all():
+        z = self._attempt(self._program)
+        if z is not None and self._finish(z, self._program) <= _ROUNDING:
             return z, "nominal", {}
-        n = self.robot.n_joints
-        relaxed = solve_with_slack(self._program, n, self._solve)
-        if relaxed is not None and np.isfinite(relaxed[0]).all():
-            z, excess = relaxed
-            passed = {self._layout.joints[j]: float(excess[j]) for j in range(n) if excess[j] > _EXCESS}
-            return z, "softened", passed
-        z = np.zeros(len(self._program.f))
-        z[:n] = -self._v[6:] / _BRAKING_TIME
+        found = relaxed(self._program, self.robot.n_joints, self._solve)
+        if found is not None:
+            program, least = found
+            for z in (self._attempt(program), least):
+                if z is not None and self._finish(z, program) <= _ROUNDING:
+                    return z, "softened", self._excess(z)
+        z = self._braking()
+        self._finish(z, self._program)
         return z, "stopped", {}
 
-    def _by_levels(self) -> Floats | None:
+    def _attempt(self, program: kernel.Program) -> Floats | None:
+        """Solve `program`, by levels if there are any."""
+        if not self._levels:
+            return self._solve(program)
         levels, first = [], self._tasks.first
         for number in self._levels:
             taken = [t for t, task in enumerate(self.tasks) if task.level == number]
             rows = np.concatenate([np.arange(first[t], first[t + 1]) for t in taken])
             scale = np.sqrt(np.concatenate([np.full(first[t + 1] - first[t], self.tasks[t].weight) for t in taken]))
-            levels.append(Level(scale[:, None] * self._rows.A[rows], scale * self._rows.b[rows]))
-        return solve_by_levels(self._program, levels, self._solve, self._regularization)
+            A = scale[:, None] * self._rows.A[rows]
+            near = max(0.0, 1.0 - self._weights.independence[taken].min() / self._weights.singular)
+            damping = self._weights.damping * near**2 * (A * A).sum() / len(rows)
+            levels.append(Level(A, scale * self._rows.b[rows], damping))
+        return solve_by_levels(program, levels, self._solve, self._weights.regularization)
 
-    def _command(
-        self, time: float, z: Floats, status: Status, softened: dict[str, float], marks: tuple[float, ...]
-    ) -> Command:
+    def _finish(self, z: Floats, program: kernel.Program) -> float:
+        """Compute what comes of `z`; return by how much it passes the bounds of `program`, relative to them."""
+        return float(kernel.finish(z, self._run.work, self._base, self._rows, program, self._answer))
+
+    def _excess(self, z: Floats) -> dict[str, float]:
+        """By how much joint accelerations pass the bounds of their motion limits."""
+        n, program = self.robot.n_joints, self._program
+        excess = np.maximum(z[:n] - program.upper[:n], program.lower[:n] - z[:n])
+        return {self._layout.joints[j]: float(excess[j]) for j in range(n) if excess[j] > _EXCESS}
+
+    def _braking(self) -> Floats:
+        """Return accelerations by torques that take energy from every joint, within their limits."""
+        n, program = self.robot.n_joints, self._program
+        H, c, rate = program.C[:, :n], self._run.table("generalized_bias")[:, 0], self._v[6:]
+        torque = np.clip(c - H @ rate / _BRAKING_TIME, *self._limits.torque)
+        torque[torque * rate > 0.0] = 0.0
+        z = np.zeros(len(program.f))
+        z[:n] = np.linalg.solve(H, torque - c)
+        return z
+
+    def _command(self, z: Floats, status: Status, softened: dict[str, float], marks: tuple[float, ...]) -> Command:
         n, program, answer = self.robot.n_joints, self._program, self._answer
-        torque = np.clip(answer.torque, self._limits.torque[0], self._limits.torque[1])
+        torque = np.clip(answer.torque, *self._limits.torque)
         wrench = np.zeros(6)
         if len(z) > n:
             wrench[self._base.component] = z[n:] * self._base.scale
             R = self._rotation()
             wrench = np.concatenate([R @ wrench[:3], R @ wrench[3:]])
         wheel_torque = np.zeros(3)
-        if self._wheel_rows.any():
+        if self._on_wheels:
             wheel_torque, wrench[3:] = wrench[3:].copy(), 0.0
             self.wheel_momentum = self.wheel_momentum - wheel_torque * self.period
         value = np.concatenate([z, answer.torque])
         lower, upper = program.lower.copy(), program.upper.copy()
-        lower[-n:], upper[-n:] = self._limits.torque[0], self._limits.torque[1]
+        lower[len(z) :], upper[len(z) :] = self._limits.torque
         rows = (self._rows.A.copy(), self._rows.error.copy(), answer.residual.copy(), self._weights.independence.copy())
         now = clock.perf_counter()
         start, evaluated, assembled, solved = marks
         timing = Timing(evaluated - start, assembled - evaluated, solved - assembled, now - start)
         return Command(
-            time,
+            self._time,
             torque,
             wrench,
             wheel_torque,
@@ -287,6 +342,9 @@ class Controller:
             else:
                 position, angle = np.linalg.norm(own[rows < 3]), np.linalg.norm(own[rows >= 3])
                 inside = bool(position <= task.completion.position and angle <= task.completion.angle)
+            reference = self._references[t]
+            if isinstance(reference, MinimumJerk) and time < reference.start + reference.duration:
+                inside = False
             if not inside:
                 self._inside_since[t] = np.nan
             elif np.isnan(self._inside_since[t]):
@@ -313,7 +371,10 @@ class Controller:
         robot, tasks = self.robot, self.tasks
         frames = robot.link_frames
         if frames is None:
-            raise OspaceError(f"robot '{robot.name}': control needs joints of one degree of freedom each")
+            several = next(j for j in range(2, robot.model.njoints) if robot.model.nvs[j] != 1)
+            raise OspaceError(
+                f"joint '{robot.model.names[several]}': control needs joints of one degree of freedom each"
+            )
         point, at = np.full((len(tasks), 2), -1, dtype=np.int64), 1
         for t, task in enumerate(tasks):
             count = len(task.points)
@@ -349,7 +410,7 @@ class Controller:
         scale = np.where(component < 3, self.robot.total_mass, moment)
         return Actuation(component, scale, np.zeros((len(component), 6)))
 
-    def _begin(self, time: float) -> None:
+    def _begin(self) -> None:
         """Take what is there at the first cycle as the reference of every task that was given none."""
         self._begun = True
         IC = self._run.table("IC")[0]
@@ -364,14 +425,16 @@ class Controller:
                 self._set_reference(t, Constant(task.initial(poses, centre)))
 
     def _set_reference(self, t: int, reference: Reference) -> None:
+        row = np.zeros(REFERENCE)
+        if not isinstance(reference, Function):
+            reference.write(row, 0.0)
+            if not np.isfinite(row).all():
+                raise OspaceError(f"the reference of task '{self.tasks[t].name}' is not finite")
         self._references[t] = reference
+        self._tasks.reference[t] = row
         self._moving = [(k, one) for k, one in self._moving if k != t]
         if isinstance(reference, Function):
             self._moving.append((t, reference))
-        else:
-            reference.write(self._tasks.reference[t], 0.0)
-            if not np.isfinite(self._tasks.reference[t]).all():
-                raise OspaceError(f"the reference of task '{self.tasks[t].name}' is not finite")
 
 
 def _above_zero(name: str, value: float) -> float:

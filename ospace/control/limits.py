@@ -38,6 +38,17 @@ class JointLimits:
     acceleration: Floats
 
     def __post_init__(self) -> None:
+        for name in ("torque", "lower", "upper", "velocity", "acceleration"):
+            try:
+                values = np.array(getattr(self, name), dtype=np.float64)
+            except (TypeError, ValueError):
+                values = np.empty((0, 0))
+            if values.ndim != 1 or values.shape != np.shape(self.torque) or np.isnan(values).any():
+                raise OspaceError(
+                    f"{name} limits {getattr(self, name)!r}: give one number for each joint, as for torque"
+                )
+            values.flags.writeable = False
+            object.__setattr__(self, name, values)
         for name in ("torque", "velocity", "acceleration"):
             if not (getattr(self, name) > 0.0).all():
                 raise OspaceError(f"{name} limits must all be above 0: {getattr(self, name)}")
@@ -58,7 +69,7 @@ class JointLimits:
         acceleration : float or mapping of joint name to float
             URDF has none; rad/s², or m/s².
         share : float
-            Of torques and velocities.
+            Of the torques and velocities that the model allows.
 
         Raises
         ------

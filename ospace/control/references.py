@@ -31,6 +31,11 @@ class Constant:
     pose: pin.SE3
     velocity: npt.ArrayLike = (0.0,) * 6
 
+    def __post_init__(self) -> None:
+        _checked_pose(self.pose)
+        if np.shape(self.velocity) != (6,):
+            raise OspaceError(f"velocity {self.velocity!r}: give six numbers")
+
     def write(self, row: Floats, time: float) -> None:
         """Write the reference to a row of the kernel's table."""
         _write_pose(row, self.pose)
@@ -55,6 +60,8 @@ class MinimumJerk:
     duration: float
 
     def __post_init__(self) -> None:
+        _checked_pose(self.origin)
+        _checked_pose(self.goal)
         if not (np.isfinite(self.start) and 0.0 < self.duration < np.inf):
             raise OspaceError(
                 f"motion from {self.start} s in {self.duration} s: give a finite start, a duration above 0"
@@ -92,6 +99,12 @@ class Function:
 
 
 Reference = Constant | MinimumJerk | Function
+
+
+def _checked_pose(pose: pin.SE3) -> pin.SE3:
+    if not isinstance(pose, pin.SE3) or not np.allclose(pose.rotation.T @ pose.rotation, np.eye(3), atol=1e-9):
+        raise OspaceError(f"{pose!r}: give a pin.SE3 with a rotation")
+    return pose
 
 
 def _write_pose(row: Floats, pose: pin.SE3) -> None:

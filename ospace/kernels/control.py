@@ -5,13 +5,14 @@ With z = [φ̈; û] as in `tasks`, and W the weights of the rows,
     minimize ½ zᵀ H z + fᵀ z,   H = Aᵀ W A + ε + damping,   f = −Aᵀ W b
     subject to  lower ≤ [z; C z] ≤ upper,   C = [H_m*, −J_b*ᵀ B],   τ = C z + c_m*          (7)
 
-The bounds on φ̈ come of position, velocity and acceleration limits in one clamp. With h the reaction time, a the
-deceleration at hand and d the way to a position limit,
+The bounds on φ̈ come of position, velocity and acceleration limits in one clamp. With h the period, over which φ̈ is
+held, a the deceleration at hand and d the way to a position limit that is left if the speed falls to zero in it,
 
-    ceiling(d) = √((a h/2)² + 2 a d) − a h/2   for d ≥ 0,   −ceiling(−d) beyond
-    φ̇_max = min(v, ceiling(φ_max − φ)),   φ̇_min = −min(v, ceiling(φ − φ_min))
-    clip((φ̇_min − φ̇)/h) ≤ φ̈ ≤ clip((φ̇_max − φ̇)/h),   clip to ± the acceleration limit
+    ceiling(d) = √((a h)² + 2 a d) − a h   for d ≥ 0,   −ceiling(−d) beyond
+    φ̇_max = min(v, ceiling(φ_max − φ − h φ̇/2)),   φ̇_min = −min(v, ceiling(φ + h φ̇/2 − φ_min))
+    (φ̇_min − φ̇)/h ≤ φ̈ ≤ (φ̇_max − φ̇)/h
 
+at most ± the acceleration limit; and where a joint is outside already, no more than a is asked of it to come back.
 Since ceiling grows with d, φ̇_min ≤ φ̇_max wherever φ is; so the bounds never contradict each other.
 """
 
@@ -30,6 +31,8 @@ from ospace.kernels.tasks import LOOK_AT, Actuation, Rows, Tasks, fill, wrench_o
 
 UNLIMITED = 1e30
 """What bounds beyond count as none."""
+NOTHING, DEPENDENT = 1e-20, 1e-14
+"""Square of a row that moves nothing; share of a row's square that is rounding."""
 POSITION, VELOCITY, ACCELERATION = range(3)
 
 
@@ -78,8 +81,8 @@ class Weights(NamedTuple):
     """Largest damping, relative to the mean diagonal of A Aᵀ."""
     independence: Floats
     """(T,) work: smallest pivot of A Aᵀ of each task at unit diagonal."""
-    gram: Floats
-    """(6, 6) work."""
+    orthogonal: Floats
+    """(m, n + k) work."""
 
 
 class Answer(NamedTuple):
@@ -94,9 +97,8 @@ class Answer(NamedTuple):
 
 @inlined
 def ceiling(d: float, a: float, h: float) -> float:
-    """Largest speed from which a stop within d is possible, by deceleration a begun after h; back inside for d < 0."""
-    half = 0.5 * a * h
-    speed = 2.0 * a * abs(d) / (math.sqrt(half * half + 2.0 * a * abs(d)) + half + 1e-300)
+    """Largest speed at the end of a period of h from which a stop within d is possible; back inside for d < 0."""
+    speed = 2.0 * a * abs(d) / (math.sqrt(a * h * a * h + 2.0 * a * abs(d)) + a * h + 1e-300)
     return speed if d >= 0.0 else -speed
 
 
@@ -107,16 +109,16 @@ def clamp_joints(joints: Joints, w: Work, limits: Limits, program: Program) -> N
     for j in range(limits.velocity.size):
         rate, most, v = w.velocity[j + 6, 0], limits.acceleration[j], limits.velocity[j]
         fast, slow = v, -v
+        force = min(limits.torque[1, j], -limits.torque[0, j])
+        a = max(min(most, limits.braking * force / w.generalized_inertia[j, j]), 1e-6)
         if joints.kind[j + 1] != CONTINUOUS:
-            force = min(limits.torque[1, j], -limits.torque[0, j])
-            a = max(min(most, limits.braking * force / w.generalized_inertia[j, j]), 1e-6)
-            angle = w.q[joints.first[j + 1], 0]
+            angle = w.q[joints.first[j + 1], 0] + 0.5 * h * rate
             fast = min(v, max(-v, ceiling(limits.position[1, j] - angle, a, h)))
             slow = -min(v, max(-v, ceiling(angle - limits.position[0, j], a, h)))
-        low, high = (slow - rate) / h, (fast - rate) / h
+        low, high = min((slow - rate) / h, a), max((fast - rate) / h, -a)
         program.lower[j], program.upper[j] = min(max(low, -most), most), min(max(high, -most), most)
-        program.cause[0, j] = ACCELERATION if abs(low) >= most else VELOCITY if slow == -v else POSITION
-        program.cause[1, j] = ACCELERATION if abs(high) >= most else VELOCITY if fast == v else POSITION
+        program.cause[0, j] = ACCELERATION if low <= -most else VELOCITY if slow == -v else POSITION
+        program.cause[1, j] = ACCELERATION if high >= most else VELOCITY if fast == v else POSITION
 
 
 @inlined
@@ -137,27 +139,36 @@ def limit_torque(w: Work, base: Actuation, limits: Limits, program: Program) -> 
 
 
 @inlined
-def independence(A: Floats, first: int, last: int, gram: Floats) -> float:
-    """Smallest pivot of A Aᵀ over rows `first` to `last`, at unit diagonal: 1 for orthogonal rows, 0 for dependent."""
-    r, smallest = last - first, 1.0
-    for i in range(r):
-        for j in range(i + 1):
-            s = 0.0
-            for k in range(A.shape[1]):
-                s += A[first + i, k] * A[first + j, k]
-            gram[i, j] = s
-    for i in range(r):
-        diagonal = gram[i, i]
-        for j in range(i + 1):
-            s = gram[i, j]
-            for k in range(j):
-                s -= gram[i, k] * gram[j, k]
-            if i == j:
-                pivot = s / diagonal if diagonal > 0.0 else 0.0
-                smallest = min(smallest, pivot)
-                gram[i, i] = math.sqrt(max(s, 1e-300))
-            else:
-                gram[i, j] = s / gram[j, j]
+def independence(A: Floats, first: int, last: int, work: Floats) -> float:
+    """Smallest part of a row of A, from `first` to `last`, that is across those before, squared, over its own square.
+
+    These are the pivots of A Aᵀ at unit diagonal: 1 for orthogonal rows, 0 for dependent ones. Rows of nothing, such
+    as those across the plane of a planar robot, do not count. `work` has as many rows as A.
+    """
+    smallest, columns = 1.0, A.shape[1]
+    for row in range(first, last):
+        whole = 0.0
+        for k in range(columns):
+            work[row, k] = A[row, k]
+            whole += A[row, k] * A[row, k]
+        if whole < NOTHING:
+            for k in range(columns):
+                work[row, k] = 0.0
+            continue
+        left = whole
+        for other in range(first, row):
+            along = 0.0
+            for k in range(columns):
+                along += work[other, k] * work[row, k]
+            for k in range(columns):
+                work[row, k] -= along * work[other, k]
+        left = 0.0
+        for k in range(columns):
+            left += work[row, k] * work[row, k]
+        smallest = min(smallest, left / whole)
+        scale = 1.0 / math.sqrt(left) if left > DEPENDENT * whole else 0.0
+        for k in range(columns):
+            work[row, k] *= scale
     return smallest
 
 
@@ -176,7 +187,7 @@ def weigh(tasks: Tasks, rows: Rows, weights: Weights, program: Program, n: int) 
         first, last = tasks.first[t], tasks.first[t + 1]
         weights.independence[t] = 1.0
         if tasks.kind[t] <= LOOK_AT:
-            pivot = independence(rows.A, first, last, weights.gram)
+            pivot = independence(rows.A, first, last, weights.orthogonal)
             weights.independence[t] = pivot
             if pivot < weights.singular and weight > 0.0:
                 trace = 0.0
@@ -216,15 +227,18 @@ def assemble(
 
 
 @entry
-def finish(z: Floats, memory: Floats, base: Actuation, rows: Rows, program: Program, answer: Answer) -> None:
-    """Torque, base acceleration and residuals of a solution."""
+def finish(z: Floats, memory: Floats, base: Actuation, rows: Rows, program: Program, answer: Answer) -> float:
+    """Torque, base acceleration and residuals of a solution; return by how much it passes a bound, relative to that."""
     w = open_work(memory, zeros(1))
-    n = answer.torque.size
+    n, excess = answer.torque.size, 0.0
+    for k in range(z.size):
+        excess = max(excess, passed(z[k], program.lower[k], program.upper[k]))
     for j in range(n):
-        torque = w.generalized_bias[j, 0]
+        value = 0.0
         for k in range(z.size):
-            torque += program.C[j, k] * z[k]
-        answer.torque[j] = torque
+            value += program.C[j, k] * z[k]
+        answer.torque[j] = value + w.generalized_bias[j, 0]
+        excess = max(excess, passed(value, program.lower[z.size + j], program.upper[z.size + j]))
     a = load6(w.base_drift, 0)
     for k in range(z.size):
         column = load6(w.J_b_star, k + 1) if k < n else load6(base.response, k - n)
@@ -235,3 +249,14 @@ def finish(z: Floats, memory: Floats, base: Actuation, rows: Rows, program: Prog
         for k in range(z.size):
             s += rows.A[row, k] * z[k]
         answer.residual[row] = s
+    return excess
+
+
+@inlined
+def passed(value: float, lower: float, upper: float) -> float:
+    """By how much `value` is outside its bounds, relative to them and at least to 1; infinite if it is not finite."""
+    if not math.isfinite(value):
+        return math.inf
+    above = (value - upper) / max(1.0, abs(upper))
+    below = (lower - value) / max(1.0, abs(lower))
+    return max(above, below)

@@ -77,7 +77,7 @@ def run(robot: Robot, w: Work, wide: Wide) -> None:
     place_links(joints, w.q, w.sine, w.cosine, frames, w.S, w.I)
     propagated.place_points(nodes, frames, w.place)
     w.health[0, 2] = w.health[0, 3] = like(1.0, w.q[0, 0])
-    w.health[0, 4] = like(0.0, w.q[0, 0])
+    w.health[0, 4] = w.health[0, 5] = like(0.0, w.q[0, 0])
     if moving:
         move_links(joints, w.velocity, frames, w.S, w.v, w.a)
     if want & JACOBIAN:
@@ -111,7 +111,7 @@ def operate(robot: Robot, w: Work, biased: bool) -> None:
         propagated.spread_bias(nodes, w.I, w.v, w.a, w.p, w.y, at, w.acceleration)
         for i in range(rows.size):
             w.bias_acceleration[i, 0] = -w.acceleration[rows[i] // 6, rows[i] % 6]
-            w.health[0, 0] = w.health[0, 0] + 0.0 * w.bias_acceleration[i, 0]
+            w.health[0, 5] = w.health[0, 5] + 0.0 * w.bias_acceleration[i, 0]
     else:
         propagated.sweep_inward(robot.joints, nodes, w.S, w.I, w.share, at, None, None)
     for i in range(1, w.share.shape[0]):
@@ -125,7 +125,7 @@ def operate(robot: Robot, w: Work, biased: bool) -> None:
             for j in range(rows.size):
                 w.inertia_inverse[i, j] = w.all_rows[rows[i], rows[j]]
     for i in range(rows.size):
-        w.health[0, 0] = w.health[0, 0] + 0.0 * w.inertia_inverse[i, i]
+        w.health[0, 5] = w.health[0, 5] + 0.0 * w.inertia_inverse[i, i]
 
 
 @inlined
@@ -195,10 +195,10 @@ def float_freely(robot: Robot, w: Work) -> None:
                 link = parent[link]
     take_rows(w.J_m_star, robot.rows, w.generalized_jacobian)
     for k in range(6):
-        w.health[0, 0] = w.health[0, 0] + 0.0 * w.momentum[0, k]
+        w.health[0, 5] = w.health[0, 5] + 0.0 * w.momentum[0, k]
     for k in range(w.J_m_star.shape[0]):
         for i in range(w.J_m_star.shape[1]):
-            w.health[0, 0] = w.health[0, 0] + 0.0 * w.J_m_star[k, i]
+            w.health[0, 5] = w.health[0, 5] + 0.0 * w.J_m_star[k, i]
 
 
 @inlined
@@ -214,7 +214,7 @@ def reduce_inertia(joints: Joints, w: Work) -> None:
         H[i, i] = H[i, i] + joints.mass[i + 1, 1]
     add_joint_inertia(joints.parent, w.S, w.F, H)
     for i in range(H.shape[0]):
-        w.health[0, 0] = w.health[0, 0] + 0.0 * H[i, i]
+        w.health[0, 5] = w.health[0, 5] + 0.0 * H[i, i]
 
 
 @inlined
@@ -229,7 +229,7 @@ def reduce_bias(robot: Robot, w: Work) -> None:
     for i in range(1, parent.size):
         c = w.generalized_bias[i - 1, 0] + dot6(load6(w.J_b_star, i), c_b)
         w.generalized_bias[i - 1, 0] = c
-        w.health[0, 0] = w.health[0, 0] + 0.0 * c
+        w.health[0, 5] = w.health[0, 5] + 0.0 * c
     a_b = scale6(sym6_mul(load21(w.base_inverse, 0), c_b), -1.0)
     store6(w.base_drift, 0, a_b)
     for n in range(1, nodes.parent.size):
@@ -240,15 +240,17 @@ def reduce_bias(robot: Robot, w: Work) -> None:
 
 
 @inlined
-def verdict(blemish: float, stray: float, share: float, pivot: float, overflow: float) -> int:
+def verdict(blemish: float, stray: float, share: float, pivot: float, inverse: float, result: float) -> int:
     """What became of a state, by its health."""
     if not (blemish == 0.0 and stray <= UNIT_LENGTH):
         return BAD_INPUT
-    if not share > NO_INERTIA:
+    if share <= NO_INERTIA:
         return SINGULAR
+    if not (result == 0.0 and share > NO_INERTIA):
+        return BAD_INPUT
     if not pivot > SMALLEST_PIVOT:
         return DEPENDENT
-    return FINE if overflow == 0.0 else BAD_INPUT
+    return FINE if inverse == 0.0 else BAD_INPUT
 
 
 @entry
@@ -262,4 +264,5 @@ def evaluate(q: Floats, v: Floats, memory: Floats) -> int:
     for k in range(v.size):
         w.velocity[k, 0] = v[k]
     run(robot, w, open_wide(memory))
-    return verdict(w.health[0, 0], w.health[0, 1], w.health[0, 2], w.health[0, 3], w.health[0, 4])
+    h = load6(w.health, 0)
+    return verdict(h[0], h[1], h[2], h[3], h[4], h[5])

@@ -87,6 +87,7 @@ def evaluate_lanes(Q: Floats, V: Floats, memory: Floats, number: Number, lanes: 
                 memory[health + 2 * lanes + lane],
                 memory[health + 3 * lanes + lane],
                 memory[health + 4 * lanes + lane],
+                memory[health + 5 * lanes + lane],
             )
 
 

@@ -78,8 +78,9 @@ class Work(NamedTuple):
     scratch: Table
     scale: Table
     health: Table
-    """(1, 5): zero, or not a number where input or result is not finite; how far quaternions are from unit length; the
-    smallest share of inertia; the smallest pivot of Γ_e⁻¹; zero, or not a number where Γ_e or μ_e is not finite."""
+    """(1, 6): zero, or not a number where the input is not finite; how far quaternions are from unit length; the
+    smallest share of inertia; the smallest pivot of Γ_e⁻¹; zero, or not a number where Γ_e or μ_e, or another result,
+    is not finite."""
 
 
 class Wide(NamedTuple):
@@ -154,7 +155,7 @@ def work_shapes(links: int, nodes: int, points: int, rows: int, nq: int, lanes: 
         generalized_jacobian=(rows, links - 1),
         scratch=(even + 2, padded(even) if lanes == 1 else even),
         scale=(rows, 1),
-        health=(1, 5),
+        health=(1, 6),
     )
 
 

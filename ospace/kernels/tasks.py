@@ -5,8 +5,9 @@ With û the actuated part of the base wrench over its scale, B its columns, and 
     ẍ_e = J_m* φ̈ + J_b H_b⁻¹ B û + a⁰_e                             (5), (7)
     A z = ẍ_ref + d (ẋ_ref − ẋ) + k e − a⁰ = b
 
-where e is the error, k a stiffness (1/s²) and d = 2 ζ √k. All in inertial axes at the point. What k e + d ė asks for is
-cut to `LARGEST` in size, so that a target out of reach leaves the program well scaled.
+where e is the error, k a stiffness (1/s²) and d = 2 ζ √k. All in inertial axes at the point. What k e + d ė asks for in
+the rows taken is cut to `LARGEST`, linear and angular by themselves, so that a target out of reach leaves the program
+well scaled.
 
 The error of an orientation is the vector of the turn that is left, R_ref Rᵀ; its rate is ω_ref − ω, and that of its
 rate α_ref − α − ω_ref × ω, for small errors.
@@ -25,7 +26,6 @@ from ospace.kernels.spatial import (
     add3,
     add6,
     cross,
-    dot6,
     force_from,
     mat3_mul,
     mat3_transpose,
@@ -198,14 +198,26 @@ def ask(tasks: Tasks, rows: Rows, t: int, error: Row, rate: Row, drift: Row) -> 
     """Write the rows taken of the task's block: b = d rate + k error − drift, where `rate` is ẋ_ref − ẋ."""
     k_l, d_l, k_a, d_a = tasks.gain[t, 0], tasks.gain[t, 1], tasks.gain[t, 2], tasks.gain[t, 3]
     asked = add6(scale3(error[0:3], k_l) + scale3(error[3:6], k_a), scale3(rate[0:3], d_l) + scale3(rate[3:6], d_a))
-    size = math.sqrt(dot6(asked, asked))
-    asked = sub6(scale6(asked, LARGEST / size if size > LARGEST else 1.0), drift)
+    linear, angular = 0.0, 0.0
+    for row in range(tasks.first[t], tasks.first[t + 1]):
+        c = tasks.rows[row]
+        if c < 3:
+            linear += component(asked, c) * component(asked, c)
+        else:
+            angular += component(asked, c) * component(asked, c)
+    asked = sub6(scale3(asked[0:3], share(linear)) + scale3(asked[3:6], share(angular)), drift)
     for row in range(tasks.first[t], tasks.first[t + 1]):
         c = tasks.rows[row]
         rows.b[row] = component(asked, c)
         rows.error[row] = component(error, c)
         for k in range(rows.A.shape[1]):
             rows.A[row, k] = rows.block[k, c]
+
+
+@inlined
+def share(square: float) -> float:
+    """What is left of an acceleration, by its square, when it is cut to `LARGEST`."""
+    return LARGEST / math.sqrt(square) if square > LARGEST * LARGEST else 1.0
 
 
 @inlined
@@ -330,14 +342,14 @@ def centre_of_mass_rows(w: Work, base: Actuation, tasks: Tasks, rows: Rows, t: i
 
 @inlined
 def momentum_rows(w: Work, base: Actuation, tasks: Tasks, rows: Rows, t: int, time: float) -> None:
-    """Linear momentum, and angular about the centre of mass, approach the reference's velocity: ḣ = k (h_ref − h)."""
-    _, _, h_ref, _ = follow(tasks, t, time)
+    """Linear momentum, and angular about the centre of mass, approach h_ref: ḣ = ḣ_ref + k (h_ref − h)."""
+    _, _, h_ref, rate_ref = follow(tasks, t, time)
     momentum = load6(w.momentum, 0)
     h = momentum[0:3] + sub3(momentum[3:6], cross(mass_centre(w), momentum[0:3]))
     for k in range(rows.block.shape[0]):
         store6(rows.block, k, zero6(h))
     act(w, base, rows, 1.0, 1.0)
-    ask(tasks, rows, t, sub6(h_ref, h), zero6(h), zero6(h))
+    ask(tasks, rows, t, sub6(h_ref, h), zero6(h), scale6(rate_ref, -1.0))
 
 
 @inlined

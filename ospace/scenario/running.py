@@ -88,7 +88,7 @@ class _Phase:
         self.limits.update(command.active_limits)
         self.singular.update(command.near_singularity)
         elapsed = (cycle + 1 - self.first) * self.period  # when this command has acted
-        if elapsed >= self._earliest - _ROUNDING and all(self.controller.completed(one, time) for one in self._awaited):
+        if elapsed >= self._earliest - _ROUNDING and all(self.controller.completed(one) for one in self._awaited):
             self.outcome = "complete"
         elif elapsed >= self.plan.timeout - _ROUNDING:
             self.outcome = "timed out"
@@ -114,7 +114,7 @@ class _Phase:
         outcome = self.outcome or "interrupted"
         reason = ""
         if outcome == "timed out":
-            open_ = [one for one in self._awaited if not self.controller.completed(one, self.time[-1])]
+            open_ = [one for one in self._awaited if not self.controller.completed(one)]
             reason = f"not complete after {self.plan.timeout:g} s: {', '.join(open_) or 'its motions take longer'}"
         return PhaseResult(
             self.plan.name,

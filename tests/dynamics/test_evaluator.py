@@ -5,6 +5,7 @@ import subprocess
 import sys
 import tracemalloc
 
+import numba
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -121,6 +122,10 @@ def test_without_a_state_there_is_nothing_to_read(chaser, name):
         getattr(run, name)
 
 
+compiled = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="about compiled kernels")
+
+
+@compiled
 def test_update_allocates_nothing(chaser):
     state = random_state(chaser, np.random.default_rng(1))
     q, v = state.q.copy(), state.v.copy()
@@ -468,6 +473,7 @@ def test_dependent_rows_of_many_states(chaser, many):
     close(result.inertia[1], reference.inertia, 1e-9)
 
 
+@compiled
 def test_states_may_be_read_only_and_the_last_chunk_short(chaser, points, many, whole, monkeypatch):
     monkeypatch.setattr(batch, "CHUNK", 4)
     before = len(kernels.BY_WIDTH[simd.widest()].signatures)

@@ -8,7 +8,9 @@ from typing import ClassVar
 import numpy as np
 import pinocchio as pin
 
+from ospace.control.base import Base
 from ospace.control.tasks.task import Task, chosen
+from ospace.exceptions import OspaceError
 from ospace.kernels import tasks as kernel
 from ospace.points import Axes
 from ospace.robot import SpaceRobot
@@ -26,6 +28,11 @@ class CentreOfMassTask(Task):
     axes: Axes = "linear"
 
     kind: ClassVar[int] = kernel.CENTRE_OF_MASS
+
+    def check(self, robot: SpaceRobot, base: Base) -> None:
+        """Refuse a base without forces."""
+        if not (base.limits[:3] > 0.0).any():
+            raise OspaceError(f"task '{self.name}': joints do not move the centre of mass; give a base with forces")
 
     def rows(self, robot: SpaceRobot) -> list[int]:
         """Which of x, y, z."""

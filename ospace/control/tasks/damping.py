@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ospace.control.tasks.task import Task
+from ospace.exceptions import OspaceError
 from ospace.kernels import tasks as kernel
 from ospace.robot import SpaceRobot
 
@@ -18,6 +19,11 @@ class DampingTask(Task):
     weight: float = 1e-3
 
     kind: ClassVar[int] = kernel.DAMPING
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.reference is not None:
+            raise OspaceError(f"task '{self.name}': joints come to rest, there is no reference to follow")
 
     @property
     def gain(self) -> tuple[float, float]:

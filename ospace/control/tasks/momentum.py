@@ -6,7 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ospace.control.base import Base
+from ospace.control.references import MinimumJerk
 from ospace.control.tasks.task import Task, chosen
+from ospace.exceptions import OspaceError
 from ospace.kernels import tasks as kernel
 from ospace.points import Axes
 from ospace.robot import SpaceRobot
@@ -14,10 +17,11 @@ from ospace.robot import SpaceRobot
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MomentumTask(Task):
-    """Linear momentum, and angular about the centre of mass, approach the reference's `velocity`; zero without one.
+    """Linear momentum, and angular about the centre of mass, approach a value: the reference's `velocity`, or zero.
 
-    By wrenches on the base, since joints do not change it. Wheels take angular momentum from the robot; what they store
-    is not counted here. The error falls with the rate √stiffness, 1/s; `damping_ratio` has no meaning.
+    The acceleration of a `Function` is the rate at which it changes. By wrenches on the base, since joints do not
+    change it. Wheels take angular momentum from the robot; what they store is not counted here. The error falls with
+    the rate √stiffness, 1/s; `damping_ratio` has no meaning.
 
     Attributes
     ----------
@@ -32,6 +36,16 @@ class MomentumTask(Task):
     def gain(self) -> tuple[float, float]:
         """The rate, 1/s."""
         return math.sqrt(self.stiffness), 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if isinstance(self.reference, MinimumJerk):
+            raise OspaceError(f"task '{self.name}': a momentum follows a Constant or a Function")
+
+    def check(self, robot: SpaceRobot, base: Base) -> None:
+        """Refuse a base that nothing acts upon."""
+        if not (base.limits > 0.0).any():
+            raise OspaceError(f"task '{self.name}': joints do not change momentum; give a base with forces or torques")
 
     def rows(self, robot: SpaceRobot) -> list[int]:
         """Which of six components."""

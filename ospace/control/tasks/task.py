@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 import pinocchio as pin
 
+from ospace.control.base import Base
 from ospace.control.references import Constant, Function, MinimumJerk, Reference
 from ospace.exceptions import OspaceError
 from ospace.points import ROW_NAMES, Axes, OperationalPoint, parse_axes
@@ -22,9 +23,10 @@ class Completion:
     Attributes
     ----------
     position : float
-        Largest norm of the linear rows' error: m.
+        Largest norm of the linear rows' error: m; of a momentum task N s.
     angle : float
-        Largest norm of the angular rows' error, or the largest error of a joint: rad (m for prismatic joints).
+        Largest norm of the angular rows' error, or the largest error of a joint: rad (m for prismatic joints); of a
+        momentum task N m s, of a damping task rad/s.
     hold : float
         s.
     """
@@ -36,6 +38,8 @@ class Completion:
     def __post_init__(self) -> None:
         if not (self.position > 0.0 and self.angle > 0.0 and 0.0 <= self.hold < math.inf):
             raise OspaceError(f"{self}: bounds must be above 0, and the time to hold finite")
+        if math.isinf(self.position) and math.isinf(self.angle):
+            raise OspaceError("a completion without a bound always holds: give position or angle")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -79,6 +83,9 @@ class Task:
         if self.reference is not None and not isinstance(self.reference, Constant | MinimumJerk | Function):
             given = f"task '{self.name}': reference is {self.reference!r}"
             raise OspaceError(f"{given}: give a Constant, a MinimumJerk or a Function")
+
+    def check(self, robot: SpaceRobot, base: Base) -> None:
+        """Raise `OspaceError` where the task makes no sense for a robot whose base is acted upon so."""
 
     @property
     def gain(self) -> tuple[float, float]:
