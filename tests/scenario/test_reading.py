@@ -290,7 +290,9 @@ def test_goals(read, given, goal, check):
 
 def test_goals_of_momentum(read):
     text = GOOD.replace('type = "damping"', 'type = "momentum"\ngoal = { angular = ["1 N m s", 0, 0] }')
-    goal = read(text).phases[0].tasks[1].goal
+    with pytest.raises(ospace.ScenarioError, match=r"phase\[0\]: .* joints do not change momentum"):
+        read(text)
+    goal = read(text.replace('"floating"', '"wheels"')).phases[0].tasks[1].goal
     assert isinstance(goal, ToMomentum)
     np.testing.assert_allclose(goal.momentum, [0, 0, 0, 1, 0, 0])
 
