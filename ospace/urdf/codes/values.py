@@ -44,21 +44,30 @@ VALUES = (
     Code(
         name="unknown-element",
         severity="warning",
-        summary="A link, joint or inertial has an element that URDF does not know; an info where its name is far from "
-        "any that URDF has.",
-        reason="Readers pass over it: a misspelt <inertail> leaves a link without mass.",
-        remedy="Correct its name. <gazebo>, <sensor>, <contact>, <transmission>, <ros2_control> and elements of a "
-        "namespace of their own are left alone.",
+        summary="An element of the robot has in it one that URDF does not know there; an info where its name is far "
+        "from any that URDF has, an error where it is or holds a link, joint or inertial, or includes another file.",
+        reason="Readers pass over it: a misspelt <inertail> leaves a link without mass, a <Link>, or one in a "
+        "<group>, is no part of the robot.",
+        remedy="Correct its name or its place. <gazebo>, <sensor>, <contact>, <transmission>, <ros2_control> and "
+        "elements of a namespace of their own are left alone.",
         example="<inertail>…</inertail>",
     ),
     Code(
         name="unknown-attribute",
         severity="warning",
-        summary="An element of an inertial or a joint has an attribute that URDF does not know; an info where its name "
-        "is far from any that URDF has.",
+        summary="An element has an attribute that URDF does not know there; an info where its name is far from any "
+        "that URDF has.",
         reason="Readers pass over it and take the default: a misspelt xyz leaves a link at its parent's origin.",
-        remedy="Correct its name.",
+        remedy="Correct its name or its place.",
         example='<origin xzy="0 0 1"/>',
+    ),
+    Code(
+        name="stray-text",
+        severity="warning",
+        summary="Text stands in an element; URDF has all that it says in attributes.",
+        reason="Readers pass over it and take the default: <origin>0 0 1</origin> moves nothing.",
+        remedy="Write it as an attribute, as in <origin xyz='0 0 1'/>, or as a comment.",
+        example="<origin>0 0 1</origin>",
     ),
     Code(
         name="visual-unreadable",

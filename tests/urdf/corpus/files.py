@@ -50,11 +50,12 @@ variant("document type in a comment", ARM.replace("<robot", "<!-- <!DOCTYPE robo
 variant(
     "XInclude",
     ARM.replace("</robot>", '<i:include xmlns:i="http://www.w3.org/2001/XInclude" href="/etc/hostname"/></robot>'),
-    0,
+    1,
+    "unknown-element",
 )
 variant("style sheet", ARM.replace("<robot", '<?xml-stylesheet href="http://192.0.2.1/s.xsl"?><robot', 1), 0)
 variant("101 deep", ARM.replace("</robot>", "<a>" * 100 + "</a>" * 100 + "</robot>"), 2, "too-deep")
-variant("99 deep", ARM.replace("</robot>", "<a>" * 98 + "</a>" * 98 + "</robot>"), 0)
+variant("99 deep", ARM.replace("</robot>", "<a>" * 98 + "</a>" * 98 + "</robot>"), 0, infos=["unknown-element"])
 variant(
     "65 attributes",
     ARM.replace("<link", "<link " + "".join(f'a{k}="" ' for k in range(64)), 1),
