@@ -15,7 +15,17 @@ from ospace.exceptions import closest
 from ospace.urdf.codes import Severity
 from ospace.urdf.description import Description, Inertial, Joint, Limit, Link, Mimic, Pose, Shape, Triple
 from ospace.urdf.findings import Finding, found
-from ospace.urdf.numbers import LARGEST, LIGHTEST, SMALLEST, NumberError, RangeError, has_space_around, number, numbers
+from ospace.urdf.numbers import (
+    LARGEST,
+    LIGHTEST,
+    SMALLEST,
+    NumberError,
+    RangeError,
+    has_space_around,
+    number,
+    numbers,
+    words,
+)
 from ospace.urdf.source import LEFT_ALONE, line_of
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
@@ -265,7 +275,7 @@ class _Reader:
         if text is None:
             self._add(self.code, f"<{_tag(element)}> has no {key}", element)
             return (0.0,) * count
-        if has_space_around(text) and text.strip():
+        if has_space_around(text) and words(text):
             message = f"{key}='{text}' of <{_tag(element)}> has white space around the numbers"
             self._add("number-spaces", message, element, text, "info")
         try:

@@ -55,7 +55,21 @@ def read(
         The file cannot be read, is no URDF, or its links are no tree.
     """
     limits = limits or Limits()
-    root = source.parse(path, source.content_of(path, limits), limits)
+    content = source.content_of(path, limits)
+    return of_content(path, content, package_dirs=package_dirs, limits=limits, free_mimic=free_mimic)
+
+
+def of_content(
+    path: Path,
+    content: bytes,
+    *,
+    package_dirs: Sequence[Path] = (),
+    limits: Limits | None = None,
+    free_mimic: bool = False,
+) -> Reading:
+    """Read what stands in the URDF at `path`, or would; as `read` does otherwise."""
+    limits = limits or Limits()
+    root = source.parse(path, content, limits)
     source.check_format(path, root)
     structure.check_size(path, root, limits)
     description, findings = parse(root)

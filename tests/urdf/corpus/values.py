@@ -140,3 +140,8 @@ variant(
     0,
     infos=["unknown-element"],
 )
+
+for space in ("\u00a0", "\u2009", "\u3000", "\x85"):
+    variant(f"{space!r} between", ARM.replace("0.3 0 0", f"0.3{space}0 0"), 1, "number-unreadable")
+    variant(f"{space!r} behind", ARM.replace("0.3 0 0", f"0.3 0 0{space}"), 1, "number-unreadable")
+    variant(f"{space!r} in a mass", ARM.replace('value="2"', f'value="2{space}"', 1), 1, "inertial-unreadable")
