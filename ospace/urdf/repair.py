@@ -18,7 +18,7 @@ from xml.parsers import expat
 import numpy as np
 from lxml import etree
 
-from ospace.exceptions import OspaceError
+from ospace.exceptions import OspaceError, printable
 from ospace.kernels.tables import Floats
 from ospace.urdf import reader, source
 from ospace.urdf.inertia import ROUNDED, judge
@@ -52,7 +52,7 @@ class Change:
 
     def __str__(self) -> str:
         where = "" if self.line is None else f", line {self.line}"
-        return f"{self.code}: {self.subject}{where}: {self.what}"
+        return printable(f"{self.code}: {self.subject}{where}: {self.what}")
 
 
 @dataclass(frozen=True)
