@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import re
 
-LARGEST, SMALLEST, LIGHTEST = 1e12, 1e-100, 1e-20
-"""Sizes between which every mass, length or inertia lies that is not zero, and the lightest mass, in SI units: products
-and inverses of several must stay finite."""
+LARGEST, SMALLEST, LIGHTEST = 1e12, 1e-100, 1e-15
+"""The largest mass, length or inertia, the smallest inertia and the lightest mass that are not zero, in SI units:
+products and inverses of several must stay finite."""
 
 _PLAIN = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _SPACE = " \t\r\n"

@@ -255,7 +255,7 @@ class _Reader:
             if default is None:
                 self._add(self.code, f"<{_tag(element)}> has no {key}", element)
             return 0.0 if default is None else default
-        if has_space_around(text):
+        if has_space_around(text) and words(text):
             message = f"{key}='{text}' of <{_tag(element)}> has white space around the number"
             self._add("number-spaces", message, element, text)
         try:
@@ -279,7 +279,7 @@ class _Reader:
             message = f"{key}='{text}' of <{_tag(element)}> has white space around the numbers"
             self._add("number-spaces", message, element, text, "info")
         try:
-            return numbers(text, count, LARGEST, SMALLEST)
+            return numbers(text, count, LARGEST)
         except NumberError as error:
             self._unreadable(element, key, text, error)
             return (0.0,) * count

@@ -217,6 +217,20 @@ def test_mass_that_is_not_finite():
     assert (finding.code, finding.severity) == ("inertia-not-finite", "error")
 
 
+def test_the_line_is_that_in_which_the_tag_starts(found):
+    (finding,) = found(
+        link("base"), "\n", link("arm").replace('<mass value="2.0"', '<mass\n\nvalue="2 kg"'), joint("j", "arm")
+    )
+    assert (finding.code, finding.line) == ("inertial-unreadable", 2)
+
+
+def test_each_scale_of_a_mesh_is_looked_at(found):
+    mesh = '<visual><geometry><mesh filename="m.stl" scale="{}"/></geometry></visual>'
+    shapes = mesh.format("1 1 1") + mesh.format("1 1 -1")
+    findings = found(link("base").replace("</link>", shapes + "</link>"))
+    assert sorted(one.code for one in findings) == ["mesh-missing", "mesh-scale"]
+
+
 # -- findings of the check itself --------------------------------------------------------------------------------
 
 

@@ -25,12 +25,11 @@ VALUES = (
     Code(
         name="number-range",
         severity="error",
-        summary="A mass, length or inertia has a size of more than 1e12, or is not zero and smaller than 1e-100 (a "
-        "mass: "
-        "1e-20).",
+        summary="A mass, length or inertia has a size of more than 1e12, or an inertia is not zero and smaller than "
+        "1e-100, or a mass than 1e-15, or a number is too small for floating point.",
         reason="Products of such numbers leave the range of floating point: inertias become infinite or lose all "
         "digits.",
-        remedy="Use kg, m and kg m², and write 0 for nothing. 1e12 kg is a mountain, 1e-20 kg a virus.",
+        remedy="Use kg, m and kg m², and write 0 for nothing. 1e12 kg is a mountain, 1e-15 kg a bacterium.",
         example='<mass value="1e300"/>',
     ),
     Code(

@@ -97,3 +97,6 @@ variant(
     0,
 )
 variant("sensor in a link", ARM.replace("</link>", '<sensor name="s"><link/></sensor></link>'), 0)
+
+variant("default namespace", ARM.replace("<robot", '<robot xmlns="http://example.org/urdf"'), 2, "not-urdf")
+variant("dollar in a name", ARM.replace('"arm"', '"a$(b)"'), 0)

@@ -87,3 +87,20 @@ variant(
     "massless-base",
 )
 variant("heavy root on a floating joint", robot(link("base"), link("arm"), joint(kind="floating", more="")), 0)
+
+FREE = joint("free", "floating", "{}", "base", "")
+HINGED = link("base") + link("arm") + joint()
+variant(
+    "floating behind a frame of the world",
+    robot(link("world", ""), link("fp", ""), joint("w", "fixed", "world", "fp", ""), FREE.format("fp"), HINGED),
+    0,
+    infos=["floating-root"],
+)
+variant(
+    "camera beside a floating base",
+    robot(
+        link("world", ""), link("camera", ""), joint("w", "fixed", "world", "camera", ""), FREE.format("world"), HINGED
+    ),
+    0,
+    infos=["floating-root"],
+)
