@@ -77,15 +77,16 @@ _SLIP = 2  # characters by which a misspelt name may be longer or shorter
 _SEVERAL = {"link", "joint", "material", "visual", "collision"}
 
 
-def parse(root: etree._Element) -> tuple[Description, list[Finding]]:
-    """Read links and joints below <robot>."""
+def parse(root: etree._Element, file_name: str) -> tuple[Description, list[Finding]]:
+    """Read links and joints below <robot>, which is called as its file where it has no name."""
     reader = _Reader()
+    name = reader.name(root, file_name)
     reader.look_at(root, deep=False)
     links = tuple(reader.link(element) for element in root.iterfind("link"))
     joints = tuple(reader.joint(element) for element in root.iterfind("joint"))
     for element in root.iterfind("material"):
         reader.material(element)
-    return Description(root.get("name", ""), links, joints), [*reader.findings, *reader.untold()]
+    return Description(name, links, joints), [*reader.findings, *reader.untold()]
 
 
 class _Reader:
@@ -97,6 +98,14 @@ class _Reader:
         self.errors = 0
         self.subject = "file"
         self.code = ""
+
+    def name(self, root: etree._Element, file_name: str) -> str:
+        """Name of the robot."""
+        name = root.get("name", "")
+        if name.strip():
+            return name
+        self._add("no-robot-name", f"<robot> has no name, taken as '{file_name}'", root)
+        return file_name
 
     # -- links -----------------------------------------------------------------------------------------------
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pinocchio as pin
 
+from ospace.exceptions import printable
 from ospace.urdf import inertia, joints, meshes, parity, plausibility, source, structure
 from ospace.urdf.bodies import bodies_of
 from ospace.urdf.build import build
@@ -72,7 +73,7 @@ def of_content(
     root = source.parse(path, content, limits)
     source.check_format(path, root)
     structure.check_size(path, root, limits)
-    description, findings = parse(root)
+    description, findings = parse(root, printable(path.stem))
     description = structure.ordered(path, description, limits)
     description, of_base = structure.with_floating_base(description)
     structure.check_dof(path, description, limits)

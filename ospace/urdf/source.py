@@ -221,9 +221,6 @@ def check_format(path: Path, root: etree._Element) -> None:
         unexpanded = any(_XACRO_VALUE.search(value) for value in element.attrib.values() if "$" in value)
         if unexpanded or str(element.tag).startswith(f"{{{_XACRO}}}"):
             raise UrdfError(path, _UNEXPANDED, "xacro", line_of(element))
-    if not root.get("name", "").strip():
-        reason = "<robot> has no name: give it one, as in <robot name='chaser'>"
-        raise UrdfError(path, reason, "no-robot-name", line_of(root))
 
 
 def _not_urdf(root: str) -> str:

@@ -313,6 +313,14 @@ def test_icub_reduced_is_sound():
     assert {finding.severity for finding in findings} == {"info"}
 
 
+def test_a_robot_without_a_name_is_called_as_its_file(tmp_path):
+    file = tmp_path / "chaser.urdf"
+    file.write_text(f"<robot>{link('base')}</robot>")
+    robot = ospace.SpaceRobot.from_urdf(file)
+    assert robot.name == "chaser"
+    assert [(one.code, one.severity) for one in robot.findings] == [("no-robot-name", "warning")]
+
+
 def test_ur3_is_an_empty_remnant():
-    with pytest.raises(ospace.UrdfError, match=r"ur3\.urdf.*has no name"):
+    with pytest.raises(ospace.UrdfError, match=r"ur3\.urdf.*has no <link>"):
         ospace.SpaceRobot.from_urdf(robot_file("ur_description/urdf/ur3.urdf"))

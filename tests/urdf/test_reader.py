@@ -251,8 +251,6 @@ XACRO = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="made">{}</robo
         ('<sdf version="1.6"><model name="made"><link name="base"/></model></sdf>', "<sdf>, not <robot>.*SDF"),
         ('<mujoco model="made"><worldbody/></mujoco>', "<mujoco>, not <robot>.*MJCF"),
         (ONE_ARM.replace("robot", "Robot"), "<Robot>, not <robot>"),
-        (f"<robot>{link('base')}</robot>", "has no name"),
-        (robot(link("base"), name=""), "has no name"),
         ('<robot name="made"/>', "no <link>"),
         (robot('<joint name="hinge" type="fixed"/>'), "no <link>"),
         (XACRO.format('<xacro:include filename="arm.xacro"/><xacro:arm prefix="left"/>'), "xacro"),

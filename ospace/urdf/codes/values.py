@@ -77,6 +77,14 @@ VALUES = (
         example='<color rgba="red"/>',
     ),
     Code(
+        name="no-robot-name",
+        severity="warning",
+        summary="<robot> has no name; the robot is called as its file.",
+        reason="URDF demands it, and Pinocchio's parser rejects the file.",
+        remedy='Give it one: <robot name="chaser">.',
+        example="<robot>",
+    ),
+    Code(
         name="parser-error",
         severity="error",
         summary="Pinocchio's parser complained on standard error and built a model all the same.",

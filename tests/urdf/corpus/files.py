@@ -79,8 +79,8 @@ variant("xacro property", ARM.replace('value="2"', 'value="${m}"'), 2, "xacro")
 variant("xacro argument", ARM.replace('value="2"', 'value="$(arg m)"'), 2, "xacro")
 variant("expanded xacro", ARM.replace("<robot", f"<robot {XACRO}"), 0)
 variant("robot in robot", ARM.replace("</robot>", '<robot name="b"/></robot>'), 2, "second-robot")
-variant("no name", ARM.replace('<robot name="made">', "<robot>"), 2, "no-robot-name")
-variant("blank name", ARM.replace('"made"', '" "'), 2, "no-robot-name")
+variant("no name", ARM.replace('<robot name="made">', "<robot>"), 0, "no-robot-name")
+variant("blank name", ARM.replace('"made"', '" "'), 0, "no-robot-name")
 variant(
     "extensions", ARM.replace("</robot>", "<gazebo><link/><joint/></gazebo><transmission/><ros2_control/></robot>"), 0
 )
