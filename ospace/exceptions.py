@@ -12,6 +12,11 @@ if TYPE_CHECKING:
     from ospace.urdf.findings import Finding
 
 
+def printable(text: str) -> str:
+    """Return the text with escapes for what a terminal would obey or not show, as control characters."""
+    return "".join(letter if letter.isprintable() else letter.encode("unicode_escape").decode() for letter in text)
+
+
 class OspaceError(Exception):
     """Base of all errors that ospace raises on purpose; the message says what is wrong and what would be right."""
 
@@ -31,7 +36,7 @@ class UrdfError(OspaceError):
 
     def __init__(self, path: Path, reason: str, code: str, line: int | None = None) -> None:
         where = "" if line is None else f"line {line}: "
-        super().__init__(f"{path}: {where}{reason} [{code}]")
+        super().__init__(printable(f"{path}: {where}{reason} [{code}]"))
         self.path, self.reason, self.code, self.line = path, reason, code, line
 
 
@@ -83,7 +88,7 @@ class UnsoundModelError(OspaceError):
     def __init__(self, name: str, findings: Iterable[Finding]) -> None:
         self.findings = tuple(findings)
         lines = "".join(f"\n  {finding}" for finding in self.findings if finding.severity == "error")
-        super().__init__(f"robot '{name}' has no sound dynamics:{lines}")
+        super().__init__(f"robot '{printable(name)}' has no sound dynamics:{lines}")
 
 
 class SingularInertiaError(OspaceError):
@@ -131,6 +136,6 @@ def closest(name: str, choices: Iterable[str]) -> str:
     known = sorted(choice for choice in set(choices) if len(choice) <= _COMPARED)
     near = difflib.get_close_matches(name[:_COMPARED], known, n=3)
     if near:
-        return "; did you mean " + " or ".join(f"'{one}'" for one in near) + "?"
-    shown = ", ".join(known[:12]) + (f", … ({len(known)} in all)" if len(known) > 12 else "")
+        return "; did you mean " + " or ".join(f"'{printable(one)}'" for one in near) + "?"
+    shown = printable(", ".join(known[:12])) + (f", … ({len(known)} in all)" if len(known) > 12 else "")
     return f"; known: {shown}" if known else ""

@@ -8,6 +8,9 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ospace.cli import paper
+from ospace.cli.paper import plain
+
 if TYPE_CHECKING:
     from rich.console import Console
 
@@ -99,17 +102,14 @@ def _counted(advance: Any) -> Any:
 
 
 def _text(result: Benchmark) -> str:
-    from rich.console import Console
-
-    console = Console(highlight=False, width=_WIDTH, soft_wrap=True)
-    with console.capture() as captured:
-        _show(console, result)
-    return "\n".join(line.rstrip() for line in captured.get().splitlines()) + "\n"
+    console = paper.console(_WIDTH)
+    _show(console, result)
+    return paper.text(console)
 
 
 def _show(console: Console, result: Benchmark) -> None:
     machine = dict(result.machine)
-    console.print(f"[bold]{result.robot}[/], {result.degrees_of_freedom} degrees of freedom")
+    console.print(f"[bold]{plain(result.robot)}[/], {result.degrees_of_freedom} degrees of freedom")
     console.print(f"{machine.pop('processor')}, {machine.pop('processors')} processors, {machine.pop('lanes')} lanes")
     console.print(", ".join(f"{name} {version}" for name, version in machine.items()))
     console.print(

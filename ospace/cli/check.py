@@ -7,6 +7,9 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ospace.cli import paper
+from ospace.cli.paper import plain
+
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
@@ -139,14 +142,9 @@ def _limits(given: argparse.Namespace) -> Limits:
 
 
 def _text(result: Report, urdf: str) -> str:
-    from rich.console import Console
-
-    console = Console(highlight=False, soft_wrap=True)
-    if not console.is_terminal:
-        console = Console(highlight=False, width=_PIPE_WIDTH, soft_wrap=True)
-    with console.capture() as captured:
-        _show(console, result, urdf)
-    return "\n".join(line.rstrip() for line in captured.get().splitlines()) + "\n"
+    console = paper.console(_PIPE_WIDTH, fits_terminal=True)
+    _show(console, result, urdf)
+    return paper.text(console)
 
 
 def _show(console: Console, result: Report, urdf: str) -> None:
@@ -158,9 +156,9 @@ def _show(console: Console, result: Report, urdf: str) -> None:
         console.print("Findings", style="bold")
         for finding in result.findings:
             mark = f"[{_COLOURS.get(finding.severity, '')}]{finding.severity:8}[/]"
-            console.print(f"  {mark} {finding.code}: {_plain(finding.place)}: {_plain(finding.message)}")
+            console.print(f"  {mark} {finding.code}: {plain(finding.place)}: {plain(finding.message)}")
             if finding.severity != "info":
-                console.print(f"           {_plain(finding.remedy)}")
+                console.print(f"           {plain(finding.remedy)}")
     if result.agreement:
         console.print()
         console.print(_agreement(result, console.is_terminal))
@@ -173,7 +171,7 @@ def _show(console: Console, result: Report, urdf: str) -> None:
     warnings = sum(finding.severity == "warning" for finding in result.findings)
     colour = "bold red" if result.errors else "bold green"
     summary = f"{_number(result.errors, 'error')}, {_number(warnings, 'warning')}"
-    console.print(f"[{colour}]{result.verdict}[/]: {_plain(urdf)}: {summary}")
+    console.print(f"[{colour}]{result.verdict}[/]: {plain(urdf)}: {summary}")
 
 
 def _print_model(console: Console, model: ModelFacts) -> None:
@@ -181,7 +179,7 @@ def _print_model(console: Console, model: ModelFacts) -> None:
     inertias = ", ".join(f"{value:.6g}" for value in model.principal_inertias)
     centre = ", ".join(f"{round(value, 12) + 0.0:.6g}" for value in model.mass_centre)
     points = ", ".join(f"{point['frame']} ({point['rows']} rows)" for point in model.points)
-    console.print(f"[bold]{_plain(model.name)}[/]")
+    console.print(f"[bold]{plain(model.name)}[/]")
     for name, value in (
         ("bodies", f"{model.bodies}, fixed joints merged"),
         ("joints", joints),
@@ -193,7 +191,7 @@ def _print_model(console: Console, model: ModelFacts) -> None:
         ("condition of H_b", f"{model.condition_H_b:.4g} with unit diagonal"),
         ("gravity", f"{model.gravity:g} m/s²"),
         ("units", model.units),
-        ("operational points", _plain(points)),
+        ("operational points", plain(points)),
     ):
         console.print(f"  {name:23} {value}")
 
@@ -213,14 +211,8 @@ def _agreement(result: Report, terminal: bool) -> Table:
         if row.telling < row.states:
             verdict += f" ({row.telling} of {row.states} states can tell)"
         texts = (row.quantity, row.equation, row.computed_by, row.checked_against)
-        table.add_row(*map(_plain, texts), f"{row.error:.1e}", f"{row.bound:.1e}", verdict)
+        table.add_row(*map(plain, texts), f"{row.error:.1e}", f"{row.bound:.1e}", verdict)
     return table
-
-
-def _plain(text: str) -> str:
-    from rich.markup import escape
-
-    return escape(text)
 
 
 def _number(count: int, what: str) -> str:

@@ -76,6 +76,9 @@ def find(urdf: str) -> Path:
 
 def _printed(text: str, status: int) -> int:
     """Print; return `status`, or another where the text cannot be written."""
+    if sys.stdout is None:  # closed by the caller: print would drop the text
+        print("ospace: error: cannot write the result: standard output is closed", file=sys.stderr)
+        return EXIT_USAGE
     try:
         print(text, end="", flush=True)
     except OSError as error:

@@ -6,7 +6,9 @@ import math
 import os
 import sys
 import tempfile
-from collections.abc import Iterator
+import threading
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
@@ -20,6 +22,8 @@ from ospace.urdf.findings import Finding, found
 
 _BASE_NQ, _BASE_NV = 7, 6
 _LARGEST = sys.float_info.max  # Pinocchio's parser knows no infinity
+_STACK = 64 * 2**20  # bytes: Pinocchio's parser calls itself from link to link, and the caller's stack may be small
+_ALONE = threading.Lock()  # standard error and the size of new stacks are the whole process's
 
 
 def build(path: Path, description: Description) -> tuple[pin.Model, list[Finding]]:
@@ -31,9 +35,10 @@ def build(path: Path, description: Description) -> tuple[pin.Model, list[Finding
         Pinocchio rejects it.
     """
     model, reason = None, ""
-    with _captured_stderr() as said:
+    xml, base = to_xml(description), _unused_name(description)
+    with _ALONE, _captured_stderr() as said:
         try:
-            model = pin.buildModelFromXML(to_xml(description), pin.JointModelFreeFlyer(), _unused_name(description))
+            model = _on_large_stack(lambda: pin.buildModelFromXML(xml, pin.JointModelFreeFlyer(), base))
         except (ValueError, RuntimeError) as error:
             reason = " ".join(str(error).split())
     errors = [" ".join(line.split()).removeprefix("Error: ") for line in said if line.strip().startswith("Error")]
@@ -103,11 +108,22 @@ def _unused_name(description: Description) -> str:
     return name
 
 
+def _on_large_stack(call: Callable[[], pin.Model]) -> pin.Model:
+    before = threading.stack_size(_STACK)
+    try:
+        with ThreadPoolExecutor(1) as pool:
+            return pool.submit(call).result()
+    finally:
+        threading.stack_size(before)
+
+
 @contextmanager
 def _captured_stderr() -> Iterator[list[str]]:
     """Catch what C++ writes to file descriptor 2; its lines are in the yielded list afterwards."""
     said: list[str] = []
-    sys.stderr.flush()
+    if sys.stderr is not None:
+        sys.stderr.flush()
+    _occupy_stderr()
     with tempfile.TemporaryFile() as catch:
         kept = os.dup(2)
         os.dup2(catch.fileno(), 2)
@@ -118,3 +134,14 @@ def _captured_stderr() -> Iterator[list[str]]:
             os.close(kept)
             catch.seek(0)
             said += catch.read().decode(errors="replace").splitlines()
+
+
+def _occupy_stderr() -> None:
+    """Open file descriptor 2 where it is closed: else the next file that is opened would take what C++ writes."""
+    try:
+        os.fstat(2)
+    except OSError:
+        null = os.open(os.devnull, os.O_WRONLY)
+        if null != 2:
+            os.dup2(null, 2)
+            os.close(null)

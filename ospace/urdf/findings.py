@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from ospace.exceptions import printable
 from ospace.urdf.codes import CODES, Severity
 
 _GRAVITY = ("error", "warning", "info")
@@ -66,7 +67,8 @@ def found(
 ) -> Finding:
     """Make a finding; severity and remedy are those of its code unless given."""
     known = CODES[code]
-    return Finding(code, severity or known.severity, subject, message, remedy or known.remedy, line, value)
+    subject, message, remedy = map(printable, (subject, message, remedy or known.remedy))
+    return Finding(code, severity or known.severity, subject, message, remedy, line, value)
 
 
 def gravest_first(findings: Iterable[Finding]) -> tuple[Finding, ...]:

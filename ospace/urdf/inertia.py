@@ -56,7 +56,7 @@ def of_description(bodies: Sequence[Body]) -> list[Finding]:
         )
         for body in bodies
     ]
-    return findings + _of_bodies(moving)
+    return findings + _of_bodies(moving, any_error(findings))
 
 
 def of_model(model: pin.Model) -> list[Finding]:
@@ -70,7 +70,7 @@ def of_model(model: pin.Model) -> list[Finding]:
     return _of_bodies(moving)
 
 
-def _of_bodies(bodies: Sequence[Moving]) -> list[Finding]:
+def _of_bodies(bodies: Sequence[Moving], unsound: bool = False) -> list[Finding]:
     findings: list[Finding] = []
     beyond = np.array([body.mass for body in bodies])
     for k in range(len(bodies) - 1, 0, -1):
@@ -79,7 +79,7 @@ def _of_bodies(bodies: Sequence[Moving]) -> list[Finding]:
         if not body.known:
             findings += _of_tensor(body.subject, body.mass, body.centre, body.tensor, body.line)
         if k == 0:
-            findings += _of_base(body, alone=len(bodies) == 1 and not any_error(findings))
+            findings += _of_base(body, alone=len(bodies) == 1 and not unsound and not any_error(findings))
         elif beyond[k] == 0.0:
             message = "the joint moves links without any mass, so the joint-space inertia is singular"
             remedy = f"Give link '{body.link}' an <inertial>, or make the joint fixed."

@@ -11,13 +11,15 @@ from ospace.urdf.findings import Finding, found
 
 _LIMITED = ("revolute", "prismatic")
 _TWO_TURNS = 4.0 * math.pi
+_LONG = 100.0  # m: longer than any prismatic joint
+_ROUNDING = 1e-9
 _UNLIMITED = 1e6  # limits from here on mean "none": degrees are smaller
 
 
 def of_joints(description: Description, *, free_mimic: bool) -> Iterator[Finding]:
     """Look at every joint."""
     for joint in description.joints:
-        if joint.kind == "planar" and joint.axis != (0.0, 0.0, 1.0):
+        if joint.kind == "planar" and math.dist(joint.axis, (0.0, 0.0, 1.0)) > _ROUNDING:
             axis = " ".join(f"{x:g}" for x in joint.axis)
             message = f"its axis is {axis}, and Pinocchio's planar joint knows 0 0 1 only"
             yield found("planar-axis", joint.subject, message, line=joint.line)
@@ -46,6 +48,9 @@ def _limits(joint: Joint) -> Iterator[Finding]:
     if joint.kind == "revolute" and any(_TWO_TURNS < abs(x) < _UNLIMITED for x in (limit.lower, limit.upper)):
         message = f"limits {text} rad are more than two turns from zero: are they in degrees?"
         yield found("units-angle", joint.subject, message, line=limit.line, value=text)
+    if joint.kind == "prismatic" and any(_LONG < abs(x) < _UNLIMITED for x in (limit.lower, limit.upper)):
+        message = f"limits {text} m are more than {_LONG:g} m from zero: are they in millimetres?"
+        yield found("units-length", joint.subject, message, line=limit.line, value=text)
     sizes = {"effort": limit.effort, "velocity": limit.velocity}
     for code, what, named in (
         ("effort-zero", "is zero", [name for name in sizes if sizes[name] == 0.0]),

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import re
 
-LARGEST, SMALLEST, LIGHTEST = 1e12, 1e-100, 1e-20
-"""Sizes between which every mass, length or inertia lies that is not zero, and the lightest mass, in SI units: products
-and inverses of several must stay finite."""
+LARGEST, SMALLEST, LIGHTEST = 1e12, 1e-100, 1e-15
+"""The largest mass, length or inertia, the smallest inertia and the lightest mass that are not zero, in SI units:
+products and inverses of several must stay finite."""
 
 _PLAIN = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _SPACE = " \t\r\n"
@@ -30,7 +30,7 @@ def number(text: str, largest: float = math.inf, smallest: float = 0.0) -> float
         It is none, or none that is finite; `RangeError` where its size exceeds `largest`, or it is not zero and
         smaller than `smallest`, or reads as zero.
     """
-    word = text.strip(_SPACE)
+    word = without_space_around(text)
     if not _PLAIN.fullmatch(word):
         raise NumberError(_reason(word))
     value = float(word)
@@ -47,20 +47,32 @@ def number(text: str, largest: float = math.inf, smallest: float = 0.0) -> float
 
 def numbers(text: str, count: int, largest: float = math.inf, smallest: float = 0.0) -> tuple[float, ...]:
     """Read `count` numbers that white space separates; raises as `number` does."""
-    words = text.split()
-    if len(words) != count:
-        raise NumberError(f"has {len(words)} numbers instead of {count}")
-    return tuple(number(word, largest, smallest) for word in words)
+    given = words(text)
+    if len(given) != count:
+        raise NumberError(_hidden(text) or f"has {len(given)} numbers instead of {count}")
+    return tuple(number(word, largest, smallest) for word in given)
+
+
+def words(text: str) -> list[str]:
+    """Split at the white space of XML, which alone separates numbers."""
+    return [word for word in re.split(f"[{_SPACE}]+", text) if word]
 
 
 def has_space_around(text: str) -> bool:
     """Whether white space surrounds the text."""
-    return text != text.strip(_SPACE)
+    return text != without_space_around(text)
+
+
+def without_space_around(text: str) -> str:
+    """Return the text without the white space that surrounds it."""
+    return text.strip(_SPACE)
 
 
 def _reason(word: str) -> str:
     if not word:
         return "is empty"
+    if hidden := _hidden(word):
+        return hidden
     if re.fullmatch(r"[+-]?(nan|inf|infinity)", word, re.IGNORECASE):
         return "is not finite"
     if re.fullmatch(r"[+-]?0[xX][0-9a-fA-F.pP+-]+", word):
@@ -69,3 +81,9 @@ def _reason(word: str) -> str:
         return "has a decimal comma"
     leading = _PLAIN.match(word)
     return f"has '{word[leading.end() :].strip()}' behind the number" if leading else "is no number"
+
+
+def _hidden(text: str) -> str:
+    """Name the first character that cannot be seen, as a no-break space: a message cannot show it."""
+    unseen = next((letter for letter in text if not letter.isprintable() and letter not in _SPACE), None)
+    return "" if unseen is None else f"has the character U+{ord(unseen):04X}"

@@ -12,41 +12,81 @@ from typing import Literal, cast
 from lxml import etree
 
 from ospace.exceptions import closest
+from ospace.urdf.codes import Severity
 from ospace.urdf.description import Description, Inertial, Joint, Limit, Link, Mimic, Pose, Shape, Triple
 from ospace.urdf.findings import Finding, found
-from ospace.urdf.numbers import LARGEST, LIGHTEST, SMALLEST, NumberError, RangeError, has_space_around, number, numbers
+from ospace.urdf.numbers import (
+    LARGEST,
+    LIGHTEST,
+    SMALLEST,
+    NumberError,
+    RangeError,
+    has_space_around,
+    number,
+    numbers,
+    words,
+)
 from ospace.urdf.source import LEFT_ALONE, line_of
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 AXIS_TOO_SHORT, AXIS_OFF_UNIT = 1e-6, 1e-3
 TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-_POSE = {"xyz", "rpy"}
-_IN_LINK = {"inertial": {"name"}, "visual": {"name"}, "collision": {"name", "group"}}
-_IN_INERTIAL = {"origin": _POSE, "mass": {"value"}, "inertia": set(TENSOR)}
-_IN_JOINT = {
-    "origin": _POSE,
-    "parent": {"link"},
-    "child": {"link"},
-    "axis": {"xyz"},
-    "calibration": {"rising", "falling", "reference_position"},
-    "dynamics": {"damping", "friction"},
-    "limit": {"lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"},
-    "mimic": {"joint", "multiplier", "offset"},
-    "safety_controller": {"soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"},
+_POSE = ("xyz", "rpy")
+SCHEMA: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "robot": (("name", "version"), ("link", "joint", "material")),
+    "link": (("name",), ("inertial", "visual", "collision")),
+    "inertial": (("name",), ("origin", "mass", "inertia")),
+    "mass": (("value",), ()),
+    "inertia": (TENSOR, ()),
+    "visual": (("name",), ("origin", "geometry", "material")),
+    "collision": (("name", "group"), ("origin", "geometry")),
+    "geometry": ((), ("box", "cylinder", "capsule", "sphere", "mesh")),
+    "box": (("size",), ()),
+    "cylinder": (("radius", "length"), ()),
+    "capsule": (("radius", "length"), ()),
+    "sphere": (("radius",), ()),
+    "mesh": (("filename", "scale"), ()),
+    "material": (("name",), ("color", "texture")),
+    "color": (("rgba",), ()),
+    "texture": (("filename",), ()),
+    "joint": (
+        ("name", "type"),
+        ("origin", "parent", "child", "axis", "calibration", "dynamics", "limit", "mimic", "safety_controller"),
+    ),
+    "origin": (_POSE, ()),
+    "parent": (("link",), ()),
+    "child": (("link",), ()),
+    "axis": (("xyz",), ()),
+    "calibration": (("rising", "falling", "reference_position"), ()),
+    "dynamics": (("damping", "friction"), ()),
+    "limit": (("lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"), ()),
+    "mimic": (("joint", "multiplier", "offset"), ()),
+    "safety_controller": (("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"), ()),
 }
-_TOLD = 200  # findings of one kind
+"""Attributes and elements that each element of URDF may have."""
+_BODIES = {"link", "joint", "inertial"}  # with one of these that is not read, the robot is another
+_DYNAMIC = {
+    name
+    for part in ("inertial", "joint")
+    for tag in (part, *SCHEMA[part][1])
+    for name in (tag, *SCHEMA[tag][0])
+    if name not in ("name", "type")
+}
+_TOLD, _SHOWN = 200, 40  # findings of one kind, characters of a text
 _SLIP = 2  # characters by which a misspelt name may be longer or shorter
-_SEVERAL = {"visual", "collision"}
+_SEVERAL = {"link", "joint", "material", "visual", "collision"}
 
 
-def parse(root: etree._Element) -> tuple[Description, list[Finding]]:
-    """Read links and joints below <robot>."""
+def parse(root: etree._Element, file_name: str) -> tuple[Description, list[Finding]]:
+    """Read links and joints below <robot>, which is called as its file where it has no name."""
     reader = _Reader()
+    name = reader.name(root, file_name)
+    reader.look_at(root, deep=False)
     links = tuple(reader.link(element) for element in root.iterfind("link"))
     joints = tuple(reader.joint(element) for element in root.iterfind("joint"))
     for element in root.iterfind("material"):
-        reader.colour(element, f"material '{element.get('name', '')}'")
-    return Description(root.get("name", ""), links, joints), [*reader.findings, *reader.untold()]
+        reader.material(element)
+    return Description(name, links, joints), [*reader.findings, *reader.untold()]
 
 
 class _Reader:
@@ -56,22 +96,29 @@ class _Reader:
         self.findings: list[Finding] = []
         self.count: Counter[str] = Counter()
         self.errors = 0
-        self.subject = ""
+        self.subject = "file"
         self.code = ""
+
+    def name(self, root: etree._Element, file_name: str) -> str:
+        """Name of the robot."""
+        name = root.get("name", "")
+        if name.strip():
+            return name
+        self._add("no-robot-name", f"<robot> has no name, taken as '{file_name}'", root)
+        return file_name
 
     # -- links -----------------------------------------------------------------------------------------------
 
     def link(self, element: etree._Element) -> Link:
         name = element.get("name", "")
         self.subject, self.code = f"link '{name}'", "inertial-unreadable"
-        self._look_at_children(element, _IN_LINK)
+        self.look_at(element)
         inertial = element.find("inertial")
         shapes = tuple(self._shapes(element))
         self.code = "inertial-unreadable"
         return Link(line_of(element), name, None if inertial is None else self._inertial(inertial), shapes)
 
     def _inertial(self, element: etree._Element) -> Inertial | None:
-        self._look_at_children(element, _IN_INERTIAL)
         mass, inertia = element.find("mass"), element.find("inertia")
         if mass is None or inertia is None:
             missing = " and ".join(f"<{tag}>" for tag in ("mass", "inertia") if element.find(tag) is None)
@@ -90,7 +137,7 @@ class _Reader:
         for element in link.iterchildren("visual", "collision"):
             before = self.count[self.code]
             if (material := element.find("material")) is not None:
-                self.colour(material, self.subject)
+                self._colour(material)
             shape = self._shape(element)
             if shape is not None and shape.kind != "mesh" and min(shape.size) < 0.0:
                 self._add(self.code, f"<{shape.kind}> has a negative size", element, " ".join(map(str, shape.size)))
@@ -118,9 +165,13 @@ class _Reader:
         self._add(self.code, f"<{role}> has the unknown shape <{_tag(child)}>", child)
         return None
 
-    def colour(self, material: etree._Element, subject: str) -> None:
-        """Look at the colour of a material."""
-        self.subject, self.code = subject, "visual-unreadable"
+    def material(self, element: etree._Element) -> None:
+        """Look at a material that stands below <robot>."""
+        self.subject, self.code = f"material '{element.get('name', '')}'", "visual-unreadable"
+        self.look_at(element)
+        self._colour(element)
+
+    def _colour(self, material: etree._Element) -> None:
         colour = material.find("color")
         if colour is not None:
             self._numbers(colour, "rgba", 4)
@@ -130,7 +181,7 @@ class _Reader:
     def joint(self, element: etree._Element) -> Joint:
         name, kind = element.get("name", ""), element.get("type", "")
         self.subject, self.code = f"joint '{name}'", "number-unreadable"
-        self._look_at_children(element, _IN_JOINT)
+        self.look_at(element)
         if kind not in KINDS:
             what = f"type '{kind}' is unknown" if kind else "has no type"
             self._add("joint-type", f"{what}{closest(kind, KINDS) if kind else ''}", element, kind)
@@ -213,7 +264,7 @@ class _Reader:
             if default is None:
                 self._add(self.code, f"<{_tag(element)}> has no {key}", element)
             return 0.0 if default is None else default
-        if has_space_around(text):
+        if has_space_around(text) and words(text):
             message = f"{key}='{text}' of <{_tag(element)}> has white space around the number"
             self._add("number-spaces", message, element, text)
         try:
@@ -233,11 +284,11 @@ class _Reader:
         if text is None:
             self._add(self.code, f"<{_tag(element)}> has no {key}", element)
             return (0.0,) * count
-        if has_space_around(text) and text.strip():
+        if has_space_around(text) and words(text):
             message = f"{key}='{text}' of <{_tag(element)}> has white space around the numbers"
             self._add("number-spaces", message, element, text, "info")
         try:
-            return numbers(text, count, LARGEST, SMALLEST)
+            return numbers(text, count, LARGEST)
         except NumberError as error:
             self._unreadable(element, key, text, error)
             return (0.0,) * count
@@ -247,32 +298,57 @@ class _Reader:
         code = "number-range" if out_of_range else self.code
         self._add(code, f"{key}='{text}' of <{_tag(element)}> {error}", element, text)
 
-    def _look_at_children(self, element: etree._Element, known: dict[str, set[str]]) -> None:
-        """Name children, and attributes of children, that URDF does not have, and those that stand twice."""
+    # -- what is not read ------------------------------------------------------------------------------------
+
+    def look_at(self, element: etree._Element, *, deep: bool = True) -> None:
+        """Name what stands in an element, and in those below it if `deep`, and is not read or stands twice."""
+        tag = _tag(element)
+        attributes, children = SCHEMA[tag]
+        for key in map(str, element.attrib):
+            if key not in attributes and not key.startswith("{"):
+                self._unknown(
+                    "unknown-attribute", f"<{tag}> has the unknown attribute '{key}'", key, attributes, element
+                )
+        self._look_at_text(element)
         seen: set[str] = set()
         for child in element.iterchildren(etree.Element):
-            tag = _tag(child)
-            if tag.startswith("{") or tag in LEFT_ALONE:
+            name = _tag(child)
+            if name not in children:
+                self._look_at_foreign(element, child)
                 continue
-            if tag not in known:
-                self._unknown(
-                    "unknown-element", f"<{_tag(element)}> has the unknown element <{tag}>", tag, known, child
-                )
-                continue
-            if tag in seen and tag not in _SEVERAL:
-                self._add("duplicate-element", f"<{_tag(element)}> has a second <{tag}>", child)
-            seen.add(tag)
-            for key in map(str, child.attrib):
-                if key not in known[tag] and not key.startswith("{"):
-                    what = f"<{tag}> has the unknown attribute '{key}'"
-                    self._unknown("unknown-attribute", what, key, known[tag], child)
+            if name in seen and name not in _SEVERAL:
+                drawn = tag in ("visual", "collision", "geometry", "material")
+                message = f"<{tag}> has a second <{name}>"
+                self._add("duplicate-element", message, child, severity="warning" if drawn else None)
+            seen.add(name)
+            if deep:
+                self.look_at(child)
+
+    def _look_at_text(self, element: etree._Element) -> None:
+        for text in (element.text, *(child.tail for child in element)):
+            if text and (stray := " ".join(text.split())):
+                shown = stray if len(stray) <= _SHOWN else stray[:_SHOWN] + "…"
+                self._add("stray-text", f"<{_tag(element)}> has the text '{shown}'", element, shown)
+
+    def _look_at_foreign(self, above: etree._Element, element: etree._Element) -> None:
+        name = _tag(element)
+        what = f"<{_tag(above)}> has the unknown element <{_local(element)}>"
+        if name in LEFT_ALONE:
+            return
+        if _local(element) == "include":
+            self._add("unknown-element", f"{what}: no other file is drawn in", element, name, "error")
+        elif any(_local(one).lower() in _BODIES for one in element.iter(etree.Element)):
+            parts = "" if _local(element).lower() in _BODIES else " with links, joints or inertials in it"
+            self._add("unknown-element", f"{what}{parts}, which is not read", element, name, "error")
+        elif above.tag != "geometry" and not name.startswith("{"):  # shapes are looked at where they are read
+            self._unknown("unknown-element", what, name, SCHEMA[_tag(above)][1], element)
 
     def _unknown(self, code: str, what: str, name: str, known: Iterable[str], element: etree._Element) -> None:
-        """Take a name that is near to one of URDF for a slip, any other for one of another program."""
+        """Take a name that URDF has elsewhere, or that is near to one it has here, for a slip; others are foreign."""
         near = difflib.get_close_matches(name[:100].lower(), known, n=1) if self.count[code] < _TOLD else []
         near = [one for one in near if abs(len(one) - len(name)) <= _SLIP]
         message = f"{what}; did you mean '{near[0]}'?" if near else what
-        self._add(code, message, element, name, None if near else "info")
+        self._add(code, message, element, name, None if near or name.lower() in _DYNAMIC else "info")
 
     def _add(
         self,
@@ -280,7 +356,7 @@ class _Reader:
         message: str,
         element: etree._Element,
         value: str | None = None,
-        severity: Literal["info"] | None = None,
+        severity: Severity | None = None,
     ) -> None:
         finding = found(code, self.subject, message, line=line_of(element), value=value, severity=severity)
         self.errors += finding.severity == "error"
@@ -302,3 +378,7 @@ def _or_none(limit: float) -> float:
 
 def _tag(element: etree._Element) -> str:
     return str(element.tag)
+
+
+def _local(element: etree._Element) -> str:
+    return etree.QName(element).localname

@@ -9,10 +9,11 @@ import numpy as np
 
 from ospace.kernels.tables import Floats
 from ospace.urdf.bodies import Body, placement, tensor_of
-from ospace.urdf.description import Description, Inertial, Link, Shape
+from ospace.urdf.description import Description, Inertial, Link, Pose, Shape
 from ospace.urdf.findings import Finding, found
 
 _FAR = 100.0  # m: the International Space Station is 109 m wide, its arm 17 m long
+_ONE_TURN = 2.0 * math.pi * (1.0 + 1e-3)  # rad: 6.2832 is one, rounded
 _DENSEST, _THINNEST = 25_000.0, 0.1  # kg/m³
 _GYRATION_OVER_REACH, _REACH_OVER_GYRATION = 2.0, 50.0
 _MARKER = 0.02  # m: smaller boxes stand for a sensor or a frame
@@ -26,6 +27,8 @@ def of_links(description: Description) -> Iterator[Finding]:
     for link in description.links:
         shapes = _solid(link.shapes)
         inertial = link.inertial
+        if inertial is not None:
+            yield from _turn(link.subject, inertial.pose, inertial.line)
         if inertial is not None and inertial.mass > max(0.0, _LIGHTEST * total):
             yield from _units(link, inertial)
             if shapes:
@@ -33,6 +36,7 @@ def of_links(description: Description) -> Iterator[Finding]:
         if shapes and (size := float(np.ptp(_box(shapes), axis=0).max())) > _FAR:
             yield found("units-length", link.subject, f"its shape is {size:g} m large", line=shapes[0].line)
     for joint in description.joints:
+        yield from _turn(joint.subject, joint.pose, joint.line)
         if (length := math.hypot(*joint.pose.xyz)) > _FAR:
             message = f"lies {length:g} m from the origin of link '{joint.parent}'"
             yield found("units-length", joint.subject, message, line=joint.line, value=f"{length:g}")
@@ -44,6 +48,13 @@ def of_bodies(bodies: Sequence[Body]) -> Iterator[Finding]:
     if base > 0.0 and rest > 0.0 and not _LIGHTEST_ARM <= rest / base <= _HEAVIEST_ARM:
         message = f"the base has {base:g} kg, and all that hangs from it {rest:g} kg"
         yield found("mass-ratio", f"link '{bodies[0].link.name}'", message, value=f"{rest / base:g}")
+
+
+def _turn(subject: str, pose: Pose, line: int | None) -> Iterator[Finding]:
+    if max(map(abs, pose.rpy)) > _ONE_TURN:
+        angles = " ".join(f"{angle:g}" for angle in pose.rpy)
+        message = f"rpy '{angles}' of its <origin> is more than a turn: is it in degrees?"
+        yield found("units-angle", subject, message, line=line, value=angles)
 
 
 def _units(link: Link, inertial: Inertial) -> Iterator[Finding]:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pinocchio as pin
 
+from ospace.exceptions import printable
 from ospace.urdf import inertia, joints, meshes, parity, plausibility, source, structure
 from ospace.urdf.bodies import bodies_of
 from ospace.urdf.build import build
@@ -55,10 +56,24 @@ def read(
         The file cannot be read, is no URDF, or its links are no tree.
     """
     limits = limits or Limits()
-    root = source.parse(path, source.content_of(path, limits), limits)
+    content = source.content_of(path, limits)
+    return of_content(path, content, package_dirs=package_dirs, limits=limits, free_mimic=free_mimic)
+
+
+def of_content(
+    path: Path,
+    content: bytes,
+    *,
+    package_dirs: Sequence[Path] = (),
+    limits: Limits | None = None,
+    free_mimic: bool = False,
+) -> Reading:
+    """Read what stands in the URDF at `path`, or would; as `read` does otherwise."""
+    limits = limits or Limits()
+    root = source.parse(path, content, limits)
     source.check_format(path, root)
     structure.check_size(path, root, limits)
-    description, findings = parse(root)
+    description, findings = parse(root, printable(path.stem))
     description = structure.ordered(path, description, limits)
     description, of_base = structure.with_floating_base(description)
     structure.check_dof(path, description, limits)

@@ -18,12 +18,12 @@ from xml.parsers import expat
 import numpy as np
 from lxml import etree
 
-from ospace.exceptions import OspaceError
+from ospace.exceptions import OspaceError, printable
 from ospace.kernels.tables import Floats
-from ospace.urdf import source
+from ospace.urdf import reader, source
 from ospace.urdf.inertia import ROUNDED, judge
-from ospace.urdf.numbers import NumberError, has_space_around, numbers
-from ospace.urdf.parse import AXIS_OFF_UNIT, AXIS_TOO_SHORT, TENSOR
+from ospace.urdf.numbers import NumberError, has_space_around, numbers, without_space_around, words
+from ospace.urdf.parse import AXIS_OFF_UNIT, AXIS_TOO_SHORT, SCHEMA, TENSOR
 from ospace.urdf.source import Limits, line_of
 
 _UNLIMITED = "1e9"  # no robot gets there, and every reader can read it
@@ -37,7 +37,7 @@ _NUMERIC = (
     "link/visual/material/color",
     "material/color",
 )
-_WORDS = {"link", "joint", "filename", "name"}  # attributes that are no numbers
+_NO_NUMBERS = {"link", "joint", "filename", "name"}  # attributes that hold words
 _ATTRIBUTE = re.compile(rb"""\s*([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
 
 
@@ -52,7 +52,7 @@ class Change:
 
     def __str__(self) -> str:
         where = "" if self.line is None else f", line {self.line}"
-        return f"{self.code}: {self.subject}{where}: {self.what}"
+        return printable(f"{self.code}: {self.subject}{where}: {self.what}")
 
 
 @dataclass(frozen=True)
@@ -70,20 +70,31 @@ def write(path: Path, out: Path, limits: Limits | None = None) -> list[Change]:
     Raises
     ------
     UrdfError
-        The file cannot be read, or is no URDF.
+        The file cannot be read, is no URDF, or its links are no tree.
     OspaceError
         `out` exists, or cannot be written.
     """
     if os.path.lexists(out):
         raise OspaceError(f"{out}: exists already, and nothing is overwritten: give another name")
     content, changes = repaired(path, limits)
+    reader.of_content(path, content, limits=limits)  # nothing is written that could not be read again
     if changes:
         try:
-            with open(out, "xb") as file:
-                file.write(content)
+            _write_new(out, content)
         except OSError as error:
             raise OspaceError(f"{out}: cannot be written: {error.strerror}") from None
     return changes
+
+
+def _write_new(out: Path, content: bytes) -> None:
+    """Write a file that is not there yet, the whole of it or none."""
+    with open(out, "xb") as file:
+        try:
+            file.write(content)
+            file.flush()
+        except BaseException:
+            out.unlink()
+            raise
 
 
 def repaired(path: Path, limits: Limits | None = None) -> tuple[bytes, list[Change]]:
@@ -102,11 +113,13 @@ def repaired(path: Path, limits: Limits | None = None) -> tuple[bytes, list[Chan
 def _spaces(root: etree._Element) -> Iterator[tuple[_Edit, Change]]:
     for where in _NUMERIC:
         for element in root.iterfind(where):
-            for key in map(str, element.attrib):
+            tag = str(element.tag)
+            for key in SCHEMA[tag][0] if tag in SCHEMA else ():
                 text = element.get(key, "")
-                if key not in _WORDS and has_space_around(text) and _read(text, len(text.split())):
-                    what = f"{key} of <{element.tag!s}> '{text}' becomes '{text.strip()}'"
-                    yield _Edit(element, {key: text.strip()}), _change("number-spaces", element, what)
+                if key not in _NO_NUMBERS and has_space_around(text) and _read(text, len(words(text))):
+                    plain = without_space_around(text)
+                    what = f"{key} of <{tag}> '{text}' becomes '{plain}'"
+                    yield _Edit(element, {key: plain}), _change("number-spaces", element, what)
 
 
 def _axes(root: etree._Element) -> Iterator[tuple[_Edit, Change]]:

@@ -15,6 +15,7 @@ from lxml import etree
 from ospace.exceptions import UrdfError
 
 _XACRO = "http://www.ros.org/wiki/xacro"
+_XACRO_VALUE = re.compile(r"\$\{|\$\((find|arg|env|optenv|anon|eval|dirname)\b")
 LEFT_ALONE = {"gazebo", "sensor", "transmission", "ros2_control", "contact"}
 """Elements of other programs, which may hold anything."""
 _LAST_LINE = 65535  # libxml2 counts no further
@@ -121,7 +122,8 @@ def parse(path: Path, content: bytes, limits: Limits) -> etree._Element:
     UrdfError
         It is no well-formed XML, has a document type, or exceeds a limit.
     """
-    _Scan(path, limits).run(content)
+    scan = _Scan(path, limits)
+    scan.run(content)
     parser = etree.XMLParser(
         encoding="utf-8",
         resolve_entities=False,
@@ -132,9 +134,13 @@ def parse(path: Path, content: bytes, limits: Limits) -> etree._Element:
         remove_pis=True,
     )
     try:
-        return etree.fromstring(content, parser)
+        root = etree.fromstring(content, parser)
     except etree.XMLSyntaxError as error:
         raise UrdfError(path, f"is no well-formed XML: {error.msg}", "not-xml", error.lineno or None) from None
+    for element, line in zip(root.iter(etree.Element), scan.lines, strict=True):
+        # libxml2's own is the line in which the tag ends. lxml can set it, which its stubs do not know.
+        element.sourceline = min(line, _LAST_LINE)  # type: ignore[misc]
+    return root
 
 
 class _Scan:
@@ -144,6 +150,7 @@ class _Scan:
         self.path, self.limits = path, limits
         self.depth = self.nodes = 0
         self.root = ""
+        self.lines: list[int] = []
         # The encoding is given: one that the file declares could hide what is looked for here.
         self.parser = expat.ParserCreate("utf-8")
         self.parser.StartDoctypeDeclHandler = self._doctype
@@ -180,6 +187,7 @@ class _Scan:
 
     def _start(self, name: str, attributes: dict[str, str]) -> None:
         self.root = self.root or name
+        self.lines.append(self.parser.CurrentLineNumber)
         self.depth += 1
         if self.depth > self.limits.depth:
             self._refuse(f"nests elements more than {self.limits.depth} deep", "too-deep")
@@ -201,17 +209,18 @@ class _Scan:
 def check_format(path: Path, root: etree._Element) -> None:
     """Raise `UrdfError` where the tree is no URDF, naming what it is instead."""
     if root.tag != "robot":
-        raise UrdfError(path, _not_urdf(etree.QName(root).localname), "not-urdf", line_of(root))
+        name = etree.QName(root)
+        reason = _not_urdf(name.localname)
+        if name.localname == "robot":
+            reason = f"<robot> lies in the namespace '{name.namespace}', and URDF in none: remove xmlns=…"
+        raise UrdfError(path, reason, "not-urdf", line_of(root))
     parts = [part for part in root.iterchildren(etree.Element) if part.tag not in LEFT_ALONE]
     for element in [root, *(element for part in parts for element in part.iter(etree.Element))]:
         if element is not root and element.tag == "robot":
             raise UrdfError(path, "a <robot> stands inside <robot>: keep one", "second-robot", line_of(element))
-        unexpanded = any(re.search(r"\$[{(]", value) for value in element.attrib.values() if "$" in value)
+        unexpanded = any(_XACRO_VALUE.search(value) for value in element.attrib.values() if "$" in value)
         if unexpanded or str(element.tag).startswith(f"{{{_XACRO}}}"):
             raise UrdfError(path, _UNEXPANDED, "xacro", line_of(element))
-    if not root.get("name", "").strip():
-        reason = "<robot> has no name: give it one, as in <robot name='chaser'>"
-        raise UrdfError(path, reason, "no-robot-name", line_of(root))
 
 
 def _not_urdf(root: str) -> str:

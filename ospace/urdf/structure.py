@@ -82,26 +82,33 @@ def check_dof(path: Path, description: Description, limits: Limits) -> None:
 
 
 def with_floating_base(description: Description) -> tuple[Description, list[Finding]]:
-    """Take a massless root link on whose floating joint all else hangs for what it is: the world.
+    """Take a massless root, with what is fixed to it, for the world where all else hangs on one floating joint of it.
 
-    The file's own floating joint is then the base's, and the root link is left out. A root link called 'world' to
-    which the robot is fixed stays; that the base floats all the same is a finding.
+    The file's own floating joint is then the base's, and what stands before it is left out. A root link called
+    'world' to which the robot is fixed stays; that the base floats all the same is a finding.
     """
     root = description.link[description.root]
-    joints = [joint for joint in description.joints if joint.parent == root.name]
-    bolted = next((joint for joint in joints if joint.kind == "fixed"), None)
+    ground, leaving = {root.name}, []
+    for joint in description.joints:
+        if joint.parent in ground and joint.kind == "fixed":
+            ground.add(joint.child)
+        elif joint.parent in ground:
+            leaving.append(joint)
+    massless = all(description.link[name].inertial is None for name in ground)
+    if massless and [joint.kind for joint in leaving] == ["floating"]:
+        (floating,) = leaving
+        message = f"floats on the massless root {root.subject}: taken as the base's own six degrees of freedom"
+        inner = replace(
+            description,
+            links=tuple(link for link in description.links if link.name not in ground),
+            joints=tuple(joint for joint in description.joints if joint.child not in ground and joint is not floating),
+        )
+        return inner, [found("floating-root", floating.subject, message, line=floating.line)]
+    bolted = next((joint for joint in description.joints if joint.parent == root.name and joint.kind == "fixed"), None)
     if root.name == _WORLD and bolted is not None:
         message = f"'{bolted.child}' is fixed to the world in the file; here it floats"
         return description, [found("fixed-base", bolted.subject, message, line=bolted.line)]
-    if root.inertial is not None or [joint.kind for joint in joints] != ["floating"]:
-        return description, []
-    message = f"floats on the massless root {root.subject}: taken as the base's own six degrees of freedom"
-    inner = replace(
-        description,
-        links=tuple(link for link in description.links if link is not root),
-        joints=tuple(joint for joint in description.joints if joint is not joints[0]),
-    )
-    return inner, [found("floating-root", joints[0].subject, message, line=joints[0].line)]
+    return description, []
 
 
 def _check_names(path: Path, what: str, parts: Iterable[Link] | Iterable[Joint]) -> None:

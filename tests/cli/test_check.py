@@ -591,6 +591,29 @@ def test_a_full_disk(options):
     assert "No space left" in err
 
 
+def test_a_full_disk_while_the_robot_is_unsound(urdf):
+    with open("/dev/full", "w") as full:
+        status, _, err = finished(command("check", str(urdf(link("base", ""))), stdout=full))
+    assert (status, err) == (2, "ospace: error: cannot write the result: No space left on device\n")
+
+
+def test_names_are_shown_as_they_are(run, urdf):
+    name = ":robot: [bold]\x9b31m\u202e"
+    status, out, err = run(
+        "check", urdf(link("base"), link(name), joint(":robot:", "continuous", name)), "--samples", 1
+    )
+    assert status == 0, out + err
+    shown = ":robot: [bold]\\x9b31m\\u202e"
+    assert shown in out
+    assert "\x9b" not in out
+
+
+def test_names_in_errors_are_shown_as_they_are(run, urdf):
+    status, out, err = run("check", urdf(link("base\x9b"), link("base\x9b")))
+    assert (status, out) == (2, "")
+    assert "link 'base\\x9b' is not unique" in err
+
+
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1", "utf-8"])
 @pytest.mark.parametrize("options", [[], ["--json"]], ids=["text", "json"])
 def test_terminals_that_know_few_letters(encoding, options):

@@ -22,7 +22,7 @@ REFUSED = {  # exit status, codes of the errors, and why
         {"inertia-indefinite", "massless-subtree"},
         "tensors with a negative principal moment, about the centre of mass",
     ),
-    "ur_description/urdf/ur3.urdf": (2, "has no name", "an empty remnant: <robot> without name, link and joint"),
+    "ur_description/urdf/ur3.urdf": (2, "has no <link>", "an empty remnant: <robot> without name, link and joint"),
 }
 # Fingers and sensors of some grams far out on arms of some kilograms, all of them points: Γ_e⁻¹ or Λ⁻¹ has a
 # condition of 1e9 and more, and no digit is left of what is computed from its inverse.

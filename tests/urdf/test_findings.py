@@ -217,6 +217,20 @@ def test_mass_that_is_not_finite():
     assert (finding.code, finding.severity) == ("inertia-not-finite", "error")
 
 
+def test_the_line_is_that_in_which_the_tag_starts(found):
+    (finding,) = found(
+        link("base"), "\n", link("arm").replace('<mass value="2.0"', '<mass\n\nvalue="2 kg"'), joint("j", "arm")
+    )
+    assert (finding.code, finding.line) == ("inertial-unreadable", 2)
+
+
+def test_each_scale_of_a_mesh_is_looked_at(found):
+    mesh = '<visual><geometry><mesh filename="m.stl" scale="{}"/></geometry></visual>'
+    shapes = mesh.format("1 1 1") + mesh.format("1 1 -1")
+    findings = found(link("base").replace("</link>", shapes + "</link>"))
+    assert sorted(one.code for one in findings) == ["mesh-missing", "mesh-scale"]
+
+
 # -- findings of the check itself --------------------------------------------------------------------------------
 
 
@@ -299,6 +313,14 @@ def test_icub_reduced_is_sound():
     assert {finding.severity for finding in findings} == {"info"}
 
 
+def test_a_robot_without_a_name_is_called_as_its_file(tmp_path):
+    file = tmp_path / "chaser.urdf"
+    file.write_text(f"<robot>{link('base')}</robot>")
+    robot = ospace.SpaceRobot.from_urdf(file)
+    assert robot.name == "chaser"
+    assert [(one.code, one.severity) for one in robot.findings] == [("no-robot-name", "warning")]
+
+
 def test_ur3_is_an_empty_remnant():
-    with pytest.raises(ospace.UrdfError, match=r"ur3\.urdf.*has no name"):
+    with pytest.raises(ospace.UrdfError, match=r"ur3\.urdf.*has no <link>"):
         ospace.SpaceRobot.from_urdf(robot_file("ur_description/urdf/ur3.urdf"))

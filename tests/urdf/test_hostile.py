@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from urdf.corpus.parts import ARM, AXIS, joint, link, robot
 
 import ospace
 
+ROOT = Path(ospace.__file__).parents[1]
 SECONDS, BYTES = 3.0, 1_000_000_000
 PROGRAM = """
 import re, sys, time
@@ -177,3 +179,55 @@ def test_a_mesh_that_is_a_fifo(tmp_path):
     file = tmp_path / "robot.urdf"
     file.write_text(ARM.replace("</link>", SHAPES.format("arm") + "</link>", 1))
     finish(file, 0, "mesh-unreadable")
+
+
+# -- small stacks, threads, closed streams -----------------------------------------------------------------------
+
+
+def fixed_chain(length):
+    joints = (joint(f"j{k}", "fixed", f"l{k}", f"l{k + 1}") for k in range(length))
+    return robot(*(link(f"l{k}") for k in range(length + 1)), *joints)
+
+
+def test_a_thread_with_a_small_stack_reads_a_long_chain(tmp_path):
+    """In a process of its own, as a stack that overflows ends the process."""
+    file = tmp_path / "robot.urdf"
+    file.write_text(fixed_chain(1000))
+    program = (
+        "import sys, threading, ospace\n"
+        "ospace.SpaceRobot.from_urdf\n"
+        "threading.stack_size(512 * 1024)\n"
+        "thread = threading.Thread(target=lambda: print(ospace.SpaceRobot.from_urdf(sys.argv[1]).nv))\n"
+        "thread.start(); thread.join()\n"
+        "print(threading.stack_size())"
+    )
+    done = subprocess.run([sys.executable, "-c", program, str(file)], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (0, f"6\n{512 * 1024}\n"), done.stderr
+
+
+def test_threads_leave_standard_error_where_it_was(tmp_path):
+    file = tmp_path / "robot.urdf"
+    file.write_text(ARM)
+    before = os.fstat(2)
+
+    def read_often():
+        for _ in range(30):
+            ospace.SpaceRobot.from_urdf(file)
+
+    threads = [threading.Thread(target=read_often) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert os.path.samestat(os.fstat(2), before)
+
+
+@pytest.mark.parametrize(("redirection", "status"), [("2>&-", 0), (">&-", 2)])
+def test_streams_that_the_caller_has_closed(tmp_path, redirection, status):
+    file = tmp_path / "robot.urdf"
+    file.write_text(ARM)
+    command = f"exec '{sys.executable}' -m ospace.cli check '{file}' --samples 1 {redirection}"
+    done = subprocess.run(["bash", "-c", command], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == status, done
+    assert ("sound" in done.stdout) == (status == 0)
+    assert ("cannot write the result" in done.stderr) == (status == 2)

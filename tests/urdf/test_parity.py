@@ -31,7 +31,7 @@ SIX = robot(
 def read(content):
     path = Path("made.urdf")
     root = source.parse(path, content.encode(), LIMITS)
-    description = structure.ordered(path, parse.parse(root)[0], LIMITS)
+    description = structure.ordered(path, parse.parse(root, path.stem)[0], LIMITS)
     return description, bodies.bodies_of(description), build.build(path, description)[0]
 
 

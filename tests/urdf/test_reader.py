@@ -19,6 +19,7 @@ from urdf import fuzz
 from urdf.corpus import parts as made
 
 import ospace
+from ospace.exceptions import printable
 from ospace.urdf import source, structure
 
 INERTIAL = (
@@ -73,7 +74,7 @@ def refuse(path, capfd, reason):
         ospace.SpaceRobot.from_urdf(path)
     assert isinstance(caught.value, ospace.OspaceError)
     assert str(caught.value.path) == str(path)
-    assert str(caught.value).startswith(str(path))
+    assert str(caught.value).startswith(printable(str(path)))
     assert capfd.readouterr() == ("", "")
 
 
@@ -250,8 +251,6 @@ XACRO = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="made">{}</robo
         ('<sdf version="1.6"><model name="made"><link name="base"/></model></sdf>', "<sdf>, not <robot>.*SDF"),
         ('<mujoco model="made"><worldbody/></mujoco>', "<mujoco>, not <robot>.*MJCF"),
         (ONE_ARM.replace("robot", "Robot"), "<Robot>, not <robot>"),
-        (f"<robot>{link('base')}</robot>", "has no name"),
-        (robot(link("base"), name=""), "has no name"),
         ('<robot name="made"/>', "no <link>"),
         (robot('<joint name="hinge" type="fixed"/>'), "no <link>"),
         (XACRO.format('<xacro:include filename="arm.xacro"/><xacro:arm prefix="left"/>'), "xacro"),

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import difflib
 import re
+import resource
+import signal
 
 import numpy as np
 import pytest
@@ -115,6 +117,51 @@ def test_a_byte_order_mark_shifts_nothing(tmp_path):
     plain = fixed(tmp_path, ODD)[0]
     (tmp_path / "out.urdf").unlink()
     assert fixed(tmp_path, b"\xef\xbb\xbf" + ODD.encode())[0] == b"\xef\xbb\xbf" + plain
+
+
+def test_what_is_not_of_urdf_is_left(tmp_path):
+    """Attributes of other namespaces and of foreign elements are nobody's numbers."""
+    content = ARM.replace("<robot", '<robot xmlns:u="http://example.org/u"')
+    content = content.replace('<mass value="2"', '<mass u:w=" 1 " w=" 1 " value=" 2 "', 1)
+    content = content.replace("</joint>", '<rotor value=" 3 "/><u:rotor value=" 3 "/></joint>')
+    repaired, changes, _ = fixed(tmp_path, content)
+    assert [change.code for change in changes] == ["number-spaces"]
+    assert repaired.decode() == content.replace('value=" 2 "', 'value="2"')
+
+
+def test_no_break_spaces_are_no_white_space(tmp_path):
+    assert fixed(tmp_path, ARM.replace("0.3 0 0", "0.3\u00a00 0 "))[1] == []
+
+
+@pytest.mark.parametrize(
+    ("content", "code"),
+    [
+        (robot(link("base"), link("other")), "two-roots"),
+        (robot(link("base"), '<joint name="hinge" type="revolute"/>'), "joint-ends"),
+    ],
+)
+def test_what_is_refused_is_not_repaired(tmp_path, content, code):
+    file, out = tmp_path / "in.urdf", tmp_path / "out.urdf"
+    file.write_text(content.replace('value="2"', 'value=" 2"'))
+    with pytest.raises(ospace.UrdfError) as caught:
+        repair.write(file, out)
+    assert caught.value.code == code
+    assert not out.exists()
+
+
+def test_half_a_file_does_not_stay(tmp_path):
+    file, out = tmp_path / "in.urdf", tmp_path / "out.urdf"
+    file.write_text(ARM.replace("0 1 0", "0 2 0") + " " * 100_000)
+    limit = resource.getrlimit(resource.RLIMIT_FSIZE)
+    before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, limit[1]))
+    try:
+        with pytest.raises(ospace.OspaceError, match="cannot be written: File too large"):
+            repair.write(file, out)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limit)
+        signal.signal(signal.SIGXFSZ, before)
+    assert not out.exists()
 
 
 # -- the command -------------------------------------------------------------------------------------------------

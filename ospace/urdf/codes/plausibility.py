@@ -42,7 +42,7 @@ PLAUSIBILITY = (
         name="units-length",
         severity="warning",
         summary="A joint or a centre of mass lies more than 100 m from the origin of its link, or a shape is that "
-        "large.",
+        "large, or the limit of a prismatic joint is that far from zero.",
         reason="The file may be in millimetres: distances enter inertias by their square.",
         remedy="Write lengths in m.",
         example='<origin xyz="300 0 0"/>',
@@ -58,7 +58,8 @@ PLAUSIBILITY = (
     Code(
         name="units-angle",
         severity="warning",
-        summary="The limit of a revolute joint is more than two turns (4π) from zero.",
+        summary="The limit of a revolute joint is more than two turns (4π) from zero, or the rpy of a joint or an "
+        "inertial is more than one (2π).",
         reason="The file may be in degrees. Random states and limits of a controller would mean nothing.",
         remedy="Write angles in rad.",
         example='<limit lower="-180" upper="180" …/>',

@@ -105,13 +105,6 @@ FILES = (
         remedy="Keep one robot a file.",
         example='<robot name="a"><robot name="b"/></robot>',
     ),
-    _refused(
-        name="no-robot-name",
-        summary="<robot> has no name.",
-        reason="URDF demands it, and Pinocchio's parser rejects the file.",
-        remedy='Give it one: <robot name="chaser">.',
-        example="<robot>",
-    ),
 )
 
 STRUCTURE = (

@@ -25,12 +25,11 @@ VALUES = (
     Code(
         name="number-range",
         severity="error",
-        summary="A mass, length or inertia has a size of more than 1e12, or is not zero and smaller than 1e-100 (a "
-        "mass: "
-        "1e-20).",
+        summary="A mass, length or inertia has a size of more than 1e12, or an inertia is not zero and smaller than "
+        "1e-100, or a mass than 1e-15, or a number is too small for floating point.",
         reason="Products of such numbers leave the range of floating point: inertias become infinite or lose all "
         "digits.",
-        remedy="Use kg, m and kg m², and write 0 for nothing. 1e12 kg is a mountain, 1e-20 kg a virus.",
+        remedy="Use kg, m and kg m², and write 0 for nothing. 1e12 kg is a mountain, 1e-15 kg a bacterium.",
         example='<mass value="1e300"/>',
     ),
     Code(
@@ -44,21 +43,30 @@ VALUES = (
     Code(
         name="unknown-element",
         severity="warning",
-        summary="A link, joint or inertial has an element that URDF does not know; an info where its name is far from "
-        "any that URDF has.",
-        reason="Readers pass over it: a misspelt <inertail> leaves a link without mass.",
-        remedy="Correct its name. <gazebo>, <sensor>, <contact>, <transmission>, <ros2_control> and elements of a "
-        "namespace of their own are left alone.",
+        summary="An element of the robot has in it one that URDF does not know there; an info where its name is far "
+        "from any that URDF has, an error where it is or holds a link, joint or inertial, or includes another file.",
+        reason="Readers pass over it: a misspelt <inertail> leaves a link without mass, a <Link>, or one in a "
+        "<group>, is no part of the robot.",
+        remedy="Correct its name or its place. <gazebo>, <sensor>, <contact>, <transmission>, <ros2_control> and "
+        "elements of a namespace of their own are left alone.",
         example="<inertail>…</inertail>",
     ),
     Code(
         name="unknown-attribute",
         severity="warning",
-        summary="An element of an inertial or a joint has an attribute that URDF does not know; an info where its name "
-        "is far from any that URDF has.",
+        summary="An element has an attribute that URDF does not know there; an info where its name is far from any "
+        "that URDF has.",
         reason="Readers pass over it and take the default: a misspelt xyz leaves a link at its parent's origin.",
-        remedy="Correct its name.",
+        remedy="Correct its name or its place.",
         example='<origin xzy="0 0 1"/>',
+    ),
+    Code(
+        name="stray-text",
+        severity="warning",
+        summary="Text stands in an element; URDF has all that it says in attributes.",
+        reason="Readers pass over it and take the default: <origin>0 0 1</origin> moves nothing.",
+        remedy="Write it as an attribute, as in <origin xyz='0 0 1'/>, or as a comment.",
+        example="<origin>0 0 1</origin>",
     ),
     Code(
         name="visual-unreadable",
@@ -67,6 +75,14 @@ VALUES = (
         reason="It is left out. Dynamics do not need it, but inertias are then not compared with the shape.",
         remedy="Write plain finite numbers.",
         example='<color rgba="red"/>',
+    ),
+    Code(
+        name="no-robot-name",
+        severity="warning",
+        summary="<robot> has no name; the robot is called as its file.",
+        reason="URDF demands it, and Pinocchio's parser rejects the file.",
+        remedy='Give it one: <robot name="chaser">.',
+        example="<robot>",
     ),
     Code(
         name="parser-error",

@@ -50,11 +50,12 @@ variant("document type in a comment", ARM.replace("<robot", "<!-- <!DOCTYPE robo
 variant(
     "XInclude",
     ARM.replace("</robot>", '<i:include xmlns:i="http://www.w3.org/2001/XInclude" href="/etc/hostname"/></robot>'),
-    0,
+    1,
+    "unknown-element",
 )
 variant("style sheet", ARM.replace("<robot", '<?xml-stylesheet href="http://192.0.2.1/s.xsl"?><robot', 1), 0)
 variant("101 deep", ARM.replace("</robot>", "<a>" * 100 + "</a>" * 100 + "</robot>"), 2, "too-deep")
-variant("99 deep", ARM.replace("</robot>", "<a>" * 98 + "</a>" * 98 + "</robot>"), 0)
+variant("99 deep", ARM.replace("</robot>", "<a>" * 98 + "</a>" * 98 + "</robot>"), 0, infos=["unknown-element"])
 variant(
     "65 attributes",
     ARM.replace("<link", "<link " + "".join(f'a{k}="" ' for k in range(64)), 1),
@@ -78,8 +79,8 @@ variant("xacro property", ARM.replace('value="2"', 'value="${m}"'), 2, "xacro")
 variant("xacro argument", ARM.replace('value="2"', 'value="$(arg m)"'), 2, "xacro")
 variant("expanded xacro", ARM.replace("<robot", f"<robot {XACRO}"), 0)
 variant("robot in robot", ARM.replace("</robot>", '<robot name="b"/></robot>'), 2, "second-robot")
-variant("no name", ARM.replace('<robot name="made">', "<robot>"), 2, "no-robot-name")
-variant("blank name", ARM.replace('"made"', '" "'), 2, "no-robot-name")
+variant("no name", ARM.replace('<robot name="made">', "<robot>"), 0, "no-robot-name")
+variant("blank name", ARM.replace('"made"', '" "'), 0, "no-robot-name")
 variant(
     "extensions", ARM.replace("</robot>", "<gazebo><link/><joint/></gazebo><transmission/><ros2_control/></robot>"), 0
 )
@@ -96,3 +97,6 @@ variant(
     0,
 )
 variant("sensor in a link", ARM.replace("</link>", '<sensor name="s"><link/></sensor></link>'), 0)
+
+variant("default namespace", ARM.replace("<robot", '<robot xmlns="http://example.org/urdf"'), 2, "not-urdf")
+variant("dollar in a name", ARM.replace('"arm"', '"a$(b)"'), 0)

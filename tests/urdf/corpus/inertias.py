@@ -97,3 +97,5 @@ variant(
     "singular-inertia",
     infos=["massless-link"],
 )
+
+variant("indefinite and alone", robot(link("base", inertial(moments=("-0.1", "0.1", "0.1")))), 1, "inertia-indefinite")

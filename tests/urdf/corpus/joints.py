@@ -18,6 +18,7 @@ for kind in ("revolute", "continuous", "prismatic"):
     rounded = ARM.replace('"revolute"', f'"{kind}"').replace("0 1 0", "0 0.707 0.707")
     variant(f"{kind}: axis of three digits", rounded, 0)
 variant("planar about z", ARM.replace('"revolute"', '"planar"').replace("0 1 0", "0 0 1"), 0)
+variant("planar about z, rounded", ARM.replace('"revolute"', '"planar"').replace("0 1 0", "1e-12 0 1"), 0)
 variant("planar about y", ARM.replace('"revolute"', '"planar"'), 1, "planar-axis")
 variant("planar without axis", ARM.replace('"revolute"', '"planar"').replace(AXIS, ""), 1, "planar-axis")
 variant("floating between bodies", ARM.replace('"revolute"', '"floating"'), 0)
@@ -87,3 +88,27 @@ variant(
     "massless-base",
 )
 variant("heavy root on a floating joint", robot(link("base"), link("arm"), joint(kind="floating", more="")), 0)
+
+FREE = joint("free", "floating", "{}", "base", "")
+HINGED = link("base") + link("arm") + joint()
+variant(
+    "floating behind a frame of the world",
+    robot(link("world", ""), link("fp", ""), joint("w", "fixed", "world", "fp", ""), FREE.format("fp"), HINGED),
+    0,
+    infos=["floating-root"],
+)
+variant(
+    "camera beside a floating base",
+    robot(
+        link("world", ""), link("camera", ""), joint("w", "fixed", "world", "camera", ""), FREE.format("world"), HINGED
+    ),
+    0,
+    infos=["floating-root"],
+)
+
+ROD = ARM.replace('"revolute"', '"prismatic"')
+variant("slide in mm", ROD.replace('upper="1"', 'upper="500"'), 0, "units-length")
+variant("slide without end", ROD.replace('upper="1"', 'upper="1e9"'), 0)
+for turn, codes in (("0 0 90", ["units-angle"]), ("0 0 -6.2832", [])):
+    variant(f"joint turned by {turn}", ARM.replace('"0.3 0 0"', f'"0.3 0 0" rpy="{turn}"'), 0, *codes)
+    variant(f"inertial turned by {turn}", ARM.replace('"0.1 0 0.05"', f'"0.1 0 0.05" rpy="{turn}"', 1), 0, *codes)

@@ -1,0 +1,42 @@
+"""What rich makes of a text for people, kept until it is printed."""
+
+from __future__ import annotations
+
+import io
+from typing import TYPE_CHECKING
+
+from ospace.exceptions import printable
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+
+def console(width: int, *, fits_terminal: bool = False) -> Console:
+    """Return a console that keeps what is printed on it, with the colours that standard output can show.
+
+    Names are of the file's making: ``:robot:`` in one is no picture.
+    """
+    from rich.console import Console
+
+    terminal = Console().is_terminal
+    return Console(
+        file=io.StringIO(),
+        force_terminal=terminal,
+        width=None if terminal and fits_terminal else width,
+        emoji=False,
+        highlight=False,
+        soft_wrap=True,
+    )
+
+
+def text(written: Console) -> str:
+    """Return what was printed, without the spaces that fill lines."""
+    assert isinstance(written.file, io.StringIO)
+    return "".join(f"{line.rstrip()}\n" for line in written.file.getvalue().split("\n")[:-1])
+
+
+def plain(text: str) -> str:
+    """Keep a text from being read as markup, and a terminal from obeying it."""
+    from rich.markup import escape
+
+    return escape(printable(text))
