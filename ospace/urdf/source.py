@@ -39,6 +39,9 @@ _MAGIC = {
 }
 
 
+_DEEPEST, _LONGEST = 256, 10_000_000  # libxml2's own bounds on depth and on the characters of one text
+
+
 @dataclass(frozen=True)
 class Limits:
     """How large a file, and the robot in it, may be.
@@ -84,7 +87,7 @@ def content_of(path: Path, limits: Limits) -> bytes:
             if not stat.S_ISREG(status.st_mode):
                 raise UrdfError(path, "is not a regular file: give a URDF file", "no-regular-file")
             if status.st_size > limits.bytes:
-                reason = f"has {status.st_size} bytes; at most {limits.bytes} are read"
+                reason = f"has {status.st_size} bytes; at most {limits.bytes} are read (--max-bytes)"
                 raise UrdfError(path, reason, "too-large")
             content = file.read(status.st_size)
     except FileNotFoundError:
@@ -129,7 +132,7 @@ def parse(path: Path, content: bytes, limits: Limits) -> etree._Element:
         resolve_entities=False,
         no_network=True,
         load_dtd=False,
-        huge_tree=False,
+        huge_tree=limits.depth > _DEEPEST or limits.text > _LONGEST,  # past what libxml2 allows otherwise
         remove_comments=True,
         remove_pis=True,
     )

@@ -27,7 +27,7 @@ def check_size(path: Path, root: etree._Element, limits: Limits) -> None:
     links = 0
     for links, link in enumerate(root.iterfind("link"), 1):
         if links > limits.links:
-            reason = f"has more than {limits.links} links: merge some, or raise the limit"
+            reason = f"has more than {limits.links} links: merge some, or raise the limit (--max-links)"
             raise UrdfError(path, reason, "too-many-links", line_of(link))
     if not links:
         raise UrdfError(path, "<robot> has no <link>: a robot needs at least its base", "no-links", line_of(root))
@@ -73,7 +73,9 @@ def check_dof(path: Path, description: Description, limits: Limits) -> None:
     """Raise `UrdfError` where Pinocchio's working memory would be too large."""
     nv = _BASE_DOF + sum(DOF.get(joint.kind, 0) for joint in description.joints)
     if nv > limits.dof:
-        reason = f"has {nv} degrees of freedom, at most {limits.dof} are taken: fix some joints, or raise the limit"
+        reason = (
+            f"has {nv} degrees of freedom, at most {limits.dof} are taken: fix some, or raise the limit (--max-dof)"
+        )
         raise UrdfError(path, reason, "too-many-dof")
     needed, there = 64 * nv**3, os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     if needed > there:

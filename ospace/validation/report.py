@@ -17,6 +17,7 @@ from ospace.robot import SpaceRobot
 from ospace.urdf.findings import Finding, found, gravest_first
 from ospace.validation.agreement import Agreement, AgreementTable, summary
 from ospace.validation.extremes import Extremes
+from ospace.validation.mesh_boxes import of_meshes
 from ospace.validation.placements import IndependentReader
 from ospace.validation.sample import Sample, condition
 from ospace.validation.sampling import random_state
@@ -137,7 +138,7 @@ def check(
     Every second state is 7e6 m from the origin. `progress` is called with the number of states done.
     """
     rng = np.random.default_rng(seed)
-    table, extremes, findings = AgreementTable(), Extremes(points), list(robot.findings)
+    table, extremes, findings = AgreementTable(), Extremes(points), [*robot.findings, *of_meshes(robot)]
     reader = _second_reader(robot, findings)
     placed: list[tuple[float, float]] = []
     rows: list[Agreement] = []
