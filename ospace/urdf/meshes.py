@@ -63,16 +63,18 @@ def of_shapes(description: Description, urdf: Path, package_dirs: Sequence[Path]
     not_looked_up: dict[str, Shape] = {}
     looked_for: set[str] = set()
     for link in description.links:
-        told: set[tuple[str, tuple[float, ...]]] = set()
+        told: set[str] = set()
+        scaled: set[tuple[str, tuple[float, ...]]] = set()
         for shape in link.shapes:
-            if shape.kind != "mesh" or (shape.filename, shape.size) in told:
+            if shape.kind != "mesh":
                 continue
-            again = any(shape.filename == filename for filename, _ in told)
-            told.add((shape.filename, shape.size))
+            if (shape.filename, shape.size) not in scaled:
+                scaled.add((shape.filename, shape.size))
+                yield from _scale(link, shape)
+            if shape.filename in told:
+                continue
+            told.add(shape.filename)
             looked_for.add(shape.filename)
-            yield from _scale(link, shape)
-            if again:
-                continue
             try:
                 if len(looked_for) > _MOST:
                     raise MeshError("mesh-not-looked-up", "there are too many")

@@ -63,9 +63,15 @@ def run(capsys):
             status = main(["run", *map(str, arguments)])
         except SystemExit as leaving:
             status = leaving.code
-        return (status, *capsys.readouterr())
+        out, err = capsys.readouterr()
+        return status, out, but_for_compiling(err)
 
     return call
+
+
+def but_for_compiling(err):
+    """What a machine says that has no compiled kernels yet is no message about the run."""
+    return "".join(line for line in err.splitlines(True) if not line.startswith("ospace: compiling"))
 
 
 @pytest.fixture
@@ -232,6 +238,6 @@ def test_a_process_of_its_own(made):
         [sys.executable, "-W", "error", "-m", "ospace.cli", "run", made()],
         cwd=ROOT, capture_output=True, text=True, timeout=SECONDS, check=False,
     )  # fmt: skip
-    assert (done.returncode, done.stderr) == (0, "")
+    assert (done.returncode, but_for_compiling(done.stderr)) == (0, "")
     assert done.stdout.splitlines()[-1].startswith("passed: ")
     assert "\x1b[" not in done.stdout
