@@ -169,9 +169,9 @@ def run(plan: Plan, *, seconds: float, tick: Tick) -> Benchmark:
 
 _WHOLE, _LOWER = "inertia_inverse", "inertia_inverse_packed"
 _BATCHES = (
-    (_WHOLE, 8192, None, True),
-    (_WHOLE, 8192, None, False),
-    (_LOWER, 8192, None, False),
+    (_WHOLE, 40_960, None, True),
+    (_WHOLE, 40_960, None, False),
+    (_LOWER, 40_960, None, False),
     *((_WHOLE, N, 1, False) for N in (8, 64, 512, 8192)),
 )
 """Output, states, threads (None: all), and whether the arrays of the results are new at each call."""

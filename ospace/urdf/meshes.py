@@ -10,7 +10,7 @@ from pathlib import Path
 from ospace.urdf.description import Description, Link, Shape
 from ospace.urdf.findings import Finding, found
 
-_MOST = 1000  # files that are looked for
+MOST = 1000  # files that are looked for
 _STL_HEADER, _STL_FACET = 84, 50  # bytes
 
 
@@ -76,7 +76,7 @@ def of_shapes(description: Description, urdf: Path, package_dirs: Sequence[Path]
             told.add(shape.filename)
             looked_for.add(shape.filename)
             try:
-                if len(looked_for) > _MOST:
+                if len(looked_for) > MOST:
                     raise MeshError("mesh-not-looked-up", "there are too many")
                 locate(shape.filename, urdf, package_dirs)
             except MeshError as error:

@@ -15,7 +15,7 @@ from ospace.urdf import plausibility
 from ospace.urdf.bodies import placement
 from ospace.urdf.description import Link, Pose, Shape
 from ospace.urdf.findings import Finding, found
-from ospace.urdf.meshes import MeshError, locate
+from ospace.urdf.meshes import MOST, MeshError, locate
 
 _MEASURED = (".stl", ".obj")  # formats without units or axes of their own
 _LARGEST = 50_000_000  # bytes
@@ -29,10 +29,14 @@ def of_meshes(robot: SpaceRobot) -> Iterator[Finding]:
     description, source = robot.description, robot.source
     if description is None or source is None:
         return
-    links, changed = [], set()
+    links, changed, looked_for = [], set(), set()
     for link in description.links:
         shapes = []
         for shape in link.shapes:
+            looked_for.add(shape.filename)
+            if len(looked_for) > MOST:
+                shapes.append(shape)
+                continue
             try:
                 shapes.append(_boxed(shape, source, robot.package_dirs))
             except ValueError as error:
