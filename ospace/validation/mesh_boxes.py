@@ -45,6 +45,8 @@ def of_meshes(robot: SpaceRobot) -> Iterator[Finding]:
         if any(one is not other for one, other in zip(shapes, link.shapes, strict=True)):
             changed.add(link.subject)
         links.append(Link(link.line, link.name, link.inertial, tuple(shapes)))
+    if not changed:
+        return
     told = {(finding.code, finding.subject) for finding in robot.findings}
     for finding in plausibility.of_links(replace(description, links=tuple(links))):
         if finding.subject in changed and (finding.code, finding.subject) not in told:
