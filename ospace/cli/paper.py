@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from ospace.exceptions import printable
 
@@ -31,8 +31,8 @@ def console(width: int, *, fits_terminal: bool = False) -> Console:
 
 def text(written: Console) -> str:
     """Return what was printed, without the spaces that fill lines."""
-    assert isinstance(written.file, io.StringIO)
-    return "".join(f"{line.rstrip()}\n" for line in written.file.getvalue().split("\n")[:-1])
+    kept = cast(io.StringIO, written.file)  # as `console` made it
+    return "".join(f"{line.rstrip()}\n" for line in kept.getvalue().split("\n")[:-1])
 
 
 def plain(text: str) -> str:

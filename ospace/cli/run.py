@@ -9,6 +9,9 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ospace.cli import paper
+from ospace.cli.paper import plain
+
 if TYPE_CHECKING:
     from rich.console import Console
 
@@ -111,23 +114,18 @@ def _valid(scenario: Scenario, name: str) -> str:
 
 
 def _text(result: Run, name: str) -> str:
-    from rich.console import Console
-
-    console = Console(highlight=False, soft_wrap=True)
-    if not console.is_terminal:
-        console = Console(highlight=False, width=_WIDTH, soft_wrap=True)
-    with console.capture() as captured:
-        _show(console, result, name)
-    return "\n".join(line.rstrip() for line in captured.get().splitlines()) + "\n"
+    console = paper.console(_WIDTH, fits_terminal=True)
+    _show(console, result, name)
+    return paper.text(console)
 
 
 def _show(console: Console, result: Run, name: str) -> None:
     scenario = result.scenario
     control = scenario.control
-    console.print(f"[bold]{_plain(scenario.name)}[/]")
+    console.print(f"[bold]{plain(scenario.name)}[/]")
     console.print(
-        f"{_plain(repr(scenario.robot))}, base {_base(scenario)}; control every {control.period * 1e3:g} ms "
-        f"({_plain(control.solver)}), {control.integrator} in steps of {control.step * 1e3:g} ms"
+        f"{plain(repr(scenario.robot))}, base {_base(scenario)}; control every {control.period * 1e3:g} ms "
+        f"({plain(control.solver)}), {control.integrator} in steps of {control.step * 1e3:g} ms"
     )
     console.print(f"{result.duration:g} s simulated in {result.seconds:.1f} s\n")
     console.print(_phases(result))
@@ -135,18 +133,19 @@ def _show(console: Console, result: Run, name: str) -> None:
         _show_more(console, phase)
     if len(result.phases) < len(scenario.phases):
         left = ", ".join(phase.name for phase in scenario.phases[len(result.phases) :])
-        console.print(f"not begun: {_plain(left)}")
+        console.print(f"not begun: {plain(left)}")
     past = result.exceeded
     limits = ", ".join(f"{limit} by {excess:.2g}" for limit, excess in past.items()) or "none"
-    console.print(f"limits of joints exceeded: {_plain(limits)}")
+    console.print(f"limits of joints exceeded: {plain(limits)}")
     console.print("\n[bold]Certificate[/]")
-    console.print(_plain(str(result.certificate)))
+    for line in str(result.certificate).splitlines():
+        console.print(plain(line))
     verdict = "passed" if result.passed else "interrupted" if result.interrupted else "failed"
     colour = "bold green" if result.passed else "bold red"
     done = sum(phase.outcome == "complete" for phase in result.phases)
     kept = "passed" if result.certificate.passed else "FAILED"
     phases = f"{done} of {len(scenario.phases)} phases complete"
-    console.print(f"\n[{colour}]{verdict}[/]: {_plain(name)}: {phases}, certificate {kept}")
+    console.print(f"\n[{colour}]{verdict}[/]: {plain(name)}: {phases}, certificate {kept}")
 
 
 def _phases(result: Run) -> Any:
@@ -160,7 +159,7 @@ def _phases(result: Run) -> Any:
         colour = _COLOURS.get(phase.outcome, "bold red")
         cycles = ", ".join(f"{count} {status}" for status, count in phase.statuses.items()) or "none"
         first = (
-            _plain(phase.name),
+            plain(phase.name),
             f"{phase.start:.3f}",
             f"{phase.end:.3f}",
             f"[{colour}]{phase.outcome}[/]",
@@ -168,7 +167,7 @@ def _phases(result: Run) -> Any:
         rows = [(task, _errors(e.worst, e.units), _errors(e.last, e.units)) for task, e in phase.errors.items()]
         for k, (task, most, last) in enumerate(rows or [("-", "-", "-")]):
             begin = first if k == 0 else ("",) * 4
-            table.add_row(*begin, _plain(task), most, last, cycles if k == 0 else "")
+            table.add_row(*begin, plain(task), most, last, cycles if k == 0 else "")
     return table
 
 
@@ -185,17 +184,17 @@ def _errors(norms: Any, units: tuple[str, str]) -> str:
 
 def _show_more(console: Console, phase: PhaseResult) -> None:
     """Print what is worth a line of its own: why a phase did not complete, limits, grasps."""
-    name = _plain(phase.name)
+    name = plain(phase.name)
     if phase.reason:
-        console.print(f"{name}: [bold red]{_plain(phase.reason)}[/]")
+        console.print(f"{name}: [bold red]{plain(phase.reason)}[/]")
     if phase.active_limits:
         most = sorted(phase.active_limits.items(), key=lambda item: -item[1])
         shown = ", ".join(f"{limit} ({count} cycles)" for limit, count in most[:_MOST_LIMITS])
         more = f", and {len(most) - _MOST_LIMITS} more" if len(most) > _MOST_LIMITS else ""
-        console.print(f"{name}: active limits: {_plain(shown)}{more}")
+        console.print(f"{name}: active limits: {plain(shown)}{more}")
     if phase.near_singularity:
         tasks = ", ".join(f"{task} ({count} cycles)" for task, count in phase.near_singularity.items())
-        console.print(f"{name}: near a dynamic singularity: {_plain(tasks)}")
+        console.print(f"{name}: near a dynamic singularity: {plain(tasks)}")
     if phase.grasp is not None:
         held = phase.grasp
         console.print(
@@ -222,9 +221,3 @@ def _base(scenario: Scenario) -> str:
         if given
     ]
     return ", ".join(shown) + (" by wheels" if base.wheels else "")
-
-
-def _plain(text: str) -> str:
-    from rich.markup import escape
-
-    return escape(text)
