@@ -37,9 +37,9 @@ def test_the_corpus_is_large():
 @pytest.mark.parametrize("variant", VARIANTS, ids=lambda variant: variant.name)
 def test_variant(file, capfd, variant):
     file.write_bytes(variant.content)
-    before = time.perf_counter()
+    before = time.process_time()
     status = main(["check", str(file), "--json", "--samples", "1", *variant.options])
-    assert time.perf_counter() - before < SECONDS
+    assert time.process_time() - before < SECONDS
     out, err = capfd.readouterr()
     assert status == variant.status, out + err
     if status == 2:
