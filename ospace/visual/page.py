@@ -115,11 +115,11 @@ def own_text(name: str) -> Any:
     """Return a style or script of ours, which goes into the page as it is."""
     from markupsafe import Markup
 
-    return Markup((_WEB / name).readown_text(encoding="utf-8"))
+    return Markup((_WEB / name).read_text(encoding="utf-8"))
 
 
 @cache
 def _viewer() -> Any:
     from markupsafe import Markup
 
-    return Markup(_MESHCAT.readown_text(encoding="utf-8").replace("</script", "<\\/script"))
+    return Markup(_MESHCAT.read_text(encoding="utf-8").replace("</script", "<\\/script"))
