@@ -64,8 +64,7 @@ def of_robot(stage: Stage, root: str, robot: SpaceRobot, marked: Mapping[str, Co
     data = robot.scratch.data
     pin.forwardKinematics(model, data, pin.neutral(model))
     for j in range(1, model.njoints):
-        builder.figure.nodes.append(f"{root}/joint {component(model.names[j])}" if j > 1 else f"{root}/base")
-        builder.figure.rest.append(data.oMi[j].homogeneous)
+        builder.node(f"{root}/joint {component(model.names[j])}" if j > 1 else f"{root}/base", data.oMi[j].homogeneous)
     if description is None or robot.source is None:
         for j in range(1, model.njoints):
             builder.inertia(j - 1, model.names[j], model.inertias[j])
@@ -90,9 +89,8 @@ def of_description(
     builder.folders = list(folders)
     bodies, places = link_places(description)
     for body in bodies:
-        builder.figure.nodes.append(f"{root}/body {component(body.link.name)}")
         above = builder.figure.rest[body.parent] if body.parent >= 0 else np.eye(4)
-        builder.figure.rest.append(above @ homogeneous(body.rotation, body.translation))
+        builder.node(f"{root}/body {component(body.link.name)}", above @ homogeneous(body.rotation, body.translation))
     for name, (node, R, p) in places.items():
         builder.link(description.link[name], node, pin.SE3(R, p))
     return builder.figure
@@ -103,6 +101,12 @@ class _Builder:
         self.stage, self.marked = stage, marked
         self.figure = Figure()
         self.folders: list[Path] = []
+
+    def node(self, path: str, T: Floats) -> None:
+        """Add a node, at rest at `T` (4, 4), m."""
+        self.figure.nodes.append(path)
+        self.figure.rest.append(T)
+        self.stage.set_transform(path, T)
 
     def link(self, link: Link, node: int, T: pin.SE3) -> None:
         """Show a link at `T` in the node's frame."""
@@ -136,7 +140,7 @@ class _Builder:
     def _mesh(self, filename: str) -> Path:
         """Find a mesh where the reader does, and in the package that the file itself lies in."""
         source, *package_dirs = self.folders
-        package = filename.partition("://")[2].partition("/")[0]
+        package = filename.partition("://")[2].lstrip("/").partition("/")[0]
         own = [folder for folder in source.resolve().parents if folder.name == package]
         path = locate(filename, source, [*package_dirs, *own])
         if path.suffix.lower() not in _MESHES:

@@ -89,14 +89,13 @@ def surround(stage: Stage, background: Background, corners: Floats) -> None:
         position = 3.0 * reach * direction / np.linalg.norm(direction)
         stage.set_object(f"/Lights/{name}", _Light(colour, intensity, centre + position, 1.3 * reach))
         stage.set_property(f"/Lights/{name}/<object>", "castShadow", name == "Sun")
-    stage.set_transform("/Cameras/default", homogeneous(np.eye(3), centre))
     distance = _distance(corners - centre)
-    x, y, z = distance * _VIEW / np.linalg.norm(_VIEW)
     camera = "/Cameras/default/rotated/<object>"
     stage.set_property(camera, "fov", _FIELD)
     stage.set_property(camera, "near", 0.01 * distance)
     stage.set_property(camera, "far", 30.0 * distance)
-    stage.set_property(camera, "position", [x, z, -y])  # its frame stands with y upwards
+    for name, (x, y, z) in (("position", centre + distance * _VIEW / np.linalg.norm(_VIEW)), ("target", centre)):
+        stage.set_property(camera, name, [x, z, -y])  # its frame stands with y upwards
     if background == "space":
         rng = np.random.default_rng(7)
         where = rng.normal(size=(3, _STARS))

@@ -11,6 +11,12 @@
   new ResizeObserver(() => viewer.set_3d_pane_size()).observe(pane);
   viewer.controls.enableKeys = false;
 
+  const set = viewer.set_property;
+  viewer.set_property = (path, property, value) => {
+    set.call(viewer, path, property, value);
+    if (property === "target") viewer.controls.target.fromArray(value); // where the camera looks to
+  };
+
   const split = (path) => path.split("/").filter(Boolean);
   const node = (path) => viewer.scene_tree.find(split(path)).object;
 
@@ -85,14 +91,15 @@
   pane.addEventListener("keydown", (event) => {
     const turns = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
     const nearer = { "+": 0.9, "=": 0.9, "-": 1 / 0.9 };
-    const position = viewer.camera.position;
+    const { position } = viewer.camera, { target } = viewer.controls;
+    const arm = position.clone().sub(target);
     if (turns[event.key]) {
-      const ball = new THREE.Spherical().setFromVector3(position);
+      const ball = new THREE.Spherical().setFromVector3(arm);
       ball.theta += 0.08 * turns[event.key][0];
       ball.phi += 0.08 * turns[event.key][1];
-      position.setFromSpherical(ball.makeSafe());
+      position.setFromSpherical(ball.makeSafe()).add(target);
     } else if (nearer[event.key]) {
-      position.multiplyScalar(nearer[event.key]);
+      position.copy(arm.multiplyScalar(nearer[event.key]).add(target));
     } else if (event.key === " " && !player.hidden) {
       play.click();
     } else return;
