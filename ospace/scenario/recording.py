@@ -1,0 +1,162 @@
+"""What is taken down of each control cycle of a phase, and what it comes to when the phase is over."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from ospace.control import Command, Controller, Task
+from ospace.kernels import tasks as kernel
+from ospace.kernels.tables import Floats
+from ospace.points import OperationalPoint
+from ospace.robot import SpaceRobot
+from ospace.scenario.result import BASE, TaskErrors
+
+_AT_ONCE = 256
+"""Cycles whose Jacobians wait for their singular values: NumPy takes many at once in a fifth of the time, and the
+Jacobians of a long run would not fit into memory."""
+
+
+@dataclass(frozen=True)
+class _Cycle:
+    time: float
+    errors: Floats
+    taken: float
+
+
+class Recording:
+    """Takes down the commands of a controller.
+
+    Attributes
+    ----------
+    statuses, active_limits, near_singularity : Counter
+        Cycles by status, by limit, by task.
+    """
+
+    def __init__(self, controller: Controller) -> None:
+        self.controller = controller
+        self.statuses: Counter[str] = Counter()
+        self.active_limits: Counter[str] = Counter()
+        self.near_singularity: Counter[str] = Counter()
+        self._rows = {task.name: task.rows(controller.robot) for task in controller.tasks}
+        self._about_points = [task for task in controller.tasks if task.kind <= kernel.LOOK_AT]
+        self._cycles: list[_Cycle] = []
+        self._jacobians: list[Floats] = []
+        self._singular: dict[str, list[Floats]] = {task.name: [] for task in self._about_points}
+
+    def __len__(self) -> int:
+        return len(self._cycles)
+
+    def take(self, time: float, command: Command) -> None:
+        """Take down one cycle, at `time`, s."""
+        if self._about_points:
+            self._jacobians.append(command.generalized_jacobian)
+        if len(self._jacobians) == _AT_ONCE:
+            self._reduce()
+        self.statuses[command.status] += 1
+        self.active_limits.update(command.active_limits)
+        self.near_singularity.update(command.near_singularity)
+        # one call that Ctrl-C cannot divide: a cycle counts when it is whole
+        self._cycles.append(_Cycle(time, np.concatenate(tuple(command.errors.values())), command.timing.total))
+
+    @property
+    def time(self) -> Floats:
+        """Of the cycles (N,), s."""
+        return np.array([cycle.time for cycle in self._cycles])
+
+    @property
+    def cycle_time(self) -> Floats:
+        """What each took (N,), s."""
+        return np.array([cycle.taken for cycle in self._cycles])
+
+    @property
+    def errors(self) -> dict[str, TaskErrors]:
+        """Of each task but those that damp, which have none."""
+        E, found, column = np.array([cycle.errors for cycle in self._cycles]), {}, 0
+        for task in self.controller.tasks:
+            rows = np.array(self._rows[task.name])
+            own = E[:, column : column + len(rows)]
+            column += len(rows)
+            if task.kind == kernel.DAMPING:
+                continue
+            linear = rows < 3 if task.kind != kernel.POSTURE else np.zeros(len(rows), dtype=bool)
+            norms = [
+                np.linalg.norm(own[:, part], axis=1) if part.any() else np.full(len(E), np.nan)
+                for part in (linear, ~linear)
+            ]
+            units = ("N s", "N m s") if task.kind == kernel.MOMENTUM else ("m", "rad")
+            points = tuple(name for name, known in self._points.items() if any(_same(known, p) for p in task.points))
+            found[task.name] = TaskErrors(np.array(norms).T, units, points)
+        return found
+
+    @property
+    def sigma_min(self) -> dict[str, Floats]:
+        """σ_min of J_m* of each task about points (N,)."""
+        self._reduce()
+        none = np.zeros(0)
+        return {name: np.concatenate([none, *parts])[: len(self)] for name, parts in self._singular.items()}
+
+    def poses(self, Q: Floats) -> dict[str, Floats]:
+        """Return the pose of each of the tasks' points, but for the base, at the cycles (N, 7).
+
+        `Q` (M, nq) are the configurations recorded at them. Ctrl-C may have come before the last was: NaN.
+        """
+        points = {name: point for name, point in self._points.items() if name != BASE}
+        known = poses(self.controller.robot, points, Q)
+        missing = np.full((len(self) - len(Q), 7), np.nan)
+        return {name: np.concatenate([values, missing]) for name, values in known.items()}
+
+    def _reduce(self) -> None:
+        """Take the singular values of the Jacobians that wait for it."""
+        if not self._jacobians:
+            return
+        J, first = np.array(self._jacobians), 0
+        for task in self._about_points:
+            rows = len(self._rows[task.name])
+            smallest = np.zeros(len(J))
+            if rows <= J.shape[2]:  # else the joints cannot move it in all its rows
+                smallest[:] = np.linalg.svd(J[:, first : first + rows], compute_uv=False)[:, -1]
+            self._singular[task.name].append(smallest)
+            first += rows
+        self._jacobians.clear()
+
+    @property
+    def _points(self) -> dict[str, OperationalPoint]:
+        """Points of all tasks, each once, by names of their own."""
+        found: dict[str, OperationalPoint] = {}
+        for task in self._about_points:
+            for point in task.points:
+                if not any(_same(point, known) for known in found.values()):
+                    found[_name(point, task, found)] = point
+        return found
+
+
+def _name(point: OperationalPoint, task: Task, taken: Mapping[str, OperationalPoint]) -> str:
+    """Return the frame's name, and the task's where another offset from the frame has it."""
+    if point.joint == 1 and point.placement.isIdentity(0.0):
+        return BASE
+    name = point.frame
+    while name in taken or name == BASE:
+        name = f"{name} ({task.name})"
+    return name
+
+
+def _same(a: OperationalPoint, b: OperationalPoint) -> bool:
+    return bool(a.joint == b.joint and a.placement == b.placement)
+
+
+def poses(robot: SpaceRobot, points: Mapping[str, OperationalPoint], Q: Floats) -> dict[str, Floats]:
+    """Return the pose of each point, inertial axes, at configurations `Q` (N, nq): place and quaternion (N, 7)."""
+    model, data = robot.model, robot.model.createData()
+    found = {name: np.empty((len(Q), 7)) for name in points}
+    if not points:
+        return found
+    for k, q in enumerate(Q):
+        pin.forwardKinematics(model, data, q)
+        for name, point in points.items():
+            found[name][k] = pin.SE3ToXYZQUAT(data.oMi[point.joint] * point.placement)
+    return found
