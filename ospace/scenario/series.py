@@ -73,33 +73,35 @@ def _joined(parts: Sequence[_Part]) -> _Part:
 # -- by control cycles -------------------------------------------------------------------------------------------
 
 
-def _errors(of_task: Callable[[TaskErrors], Mapping[str, Floats]]) -> Callable[[Log], Iterator[_Part]]:
-    """Return what tells of errors of some kind; `of_task` gives those of a task, by what follows the task's name."""
+def _errors(of_task: Callable[[TaskErrors], Floats | None]) -> Callable[[Log], Iterator[_Part]]:
+    """Return what tells of errors of some kind; `of_task` gives those of a task, if it has any."""
 
     def parts(log: Log) -> Iterator[_Part]:
         for phase in log.phases:
-            of_tasks = {task: of_task(errors) for task, errors in phase.errors.items()}
-            yield phase.time, {task + more: values for task, own in of_tasks.items() for more, values in own.items()}
+            of_tasks = ((task, of_task(errors)) for task, errors in phase.errors.items())
+            yield phase.time, {task: values for task, values in of_tasks if values is not None}
 
     return parts
 
 
-def _places(errors: TaskErrors) -> dict[str, Floats]:
-    return {"": errors.norms[:, 0] * _MM} if errors.units[0] == "m" and _has(errors, 0) else {}
+def _places(errors: TaskErrors) -> Floats | None:
+    return errors.norms[:, 0] * _MM if errors.units[0] == "m" and _has(errors, 0) else None
 
 
-def _angles(errors: TaskErrors) -> dict[str, Floats]:
-    return {"": errors.norms[:, 1] * _DEG} if errors.points and _has(errors, 1) else {}
+def _angles(errors: TaskErrors) -> Floats | None:
+    return errors.norms[:, 1] * _DEG if errors.points and _has(errors, 1) else None
 
 
-def _joints(errors: TaskErrors) -> dict[str, Floats]:
-    return {"": errors.norms[:, 1]} if errors.units[1] == "rad" and not errors.points and _has(errors, 1) else {}
+def _joints(errors: TaskErrors) -> Floats | None:
+    return errors.norms[:, 1] if errors.units[1] == "rad" and not errors.points and _has(errors, 1) else None
 
 
-def _momenta(errors: TaskErrors) -> dict[str, Floats]:
-    if errors.units[0] == "m":
-        return {}
-    return {f", {unit}": errors.norms[:, k] for k, unit in enumerate(errors.units) if _has(errors, k)}
+def _momenta(errors: TaskErrors) -> Floats | None:
+    return errors.norms[:, 0] if errors.units[0] == "N s" and _has(errors, 0) else None
+
+
+def _angular_momenta(errors: TaskErrors) -> Floats | None:
+    return errors.norms[:, 1] if errors.units[1] == "N m s" and _has(errors, 1) else None
 
 
 def _has(errors: TaskErrors, column: int) -> bool:
@@ -208,11 +210,12 @@ _SERIES = {
     "position-error": _Kind("Position errors of tasks", "mm", _errors(_places)),
     "angle-error": _Kind("Angle errors of tasks", "deg", _errors(_angles)),
     "joint-error": _Kind("Joint errors of postures", "rad", _errors(_joints)),
-    "momentum-error": _Kind("Momentum errors of tasks", "N s, N m s", _errors(_momenta)),
-    "orientation": _Kind("Turn since the start", "deg", _orientation),
-    "path": _Kind("Place of points that tasks move", "m", _path),
+    "momentum-error": _Kind("Linear momentum errors of tasks", "N s", _errors(_momenta)),
+    "angular-momentum-error": _Kind("Angular momentum errors of tasks", "N m s", _errors(_angular_momenta)),
+    "orientation": _Kind("Orientation, turn since the start", "deg", _orientation),
+    "path": _Kind("Position of points that tasks move", "m", _path),
     "torque": _Kind("Torque of joints, share of its limit", "%", _torque, lambda log: (-_PERCENT, _PERCENT)),
-    "unlimited-torque": _Kind("Torque of joints that have no limit", "N m, N", _unlimited_torque),
+    "unlimited-torque": _Kind("Torque of joints that have no limit", "N m or N", _unlimited_torque),
     "momentum": _Kind(
         "Momentum not accounted for, over its scale", "", _balances(*_MOMENTUM), _limits(_MOMENTUM[0]), True
     ),
