@@ -32,17 +32,22 @@ WIDTH, HEIGHT = 10.0, 3.0
 """Of a panel, inches; a page shows it in any width."""
 _LEFT, _RIGHT, _BOTTOM, _TOP = 0.085, 0.79, 0.5, 0.62
 """Edges of the axes: share of the width; inches from below and above."""
-_COLUMNS, _FEWEST, _POINTS = 1000, 160, 4000
-"""Columns in which a curve is thinned: at most, at least, and of all curves of a panel together."""
+_COLUMNS = 1000
+"""In which a curve is thinned: about as many as pixels."""
+_LARGEST = 145_000
+"""Bytes of a panel; noise of many curves is thinned to that."""
 _BESIDE = 0.25
 """A limit is shown where values come to this share of it."""
 _LEAST = 1e-17
 """On an axis of decades, what is smaller is drawn as if it were this."""
 _DASHES: tuple[Any, ...] = ("solid", (0, (5.0, 1.6)), (0, (1.4, 1.4)), (0, (6.0, 1.4, 1.4, 1.4)))
-_LONG_LEGEND = 9
-_LONGEST_LABEL = 26
-_LETTER = 0.075
-"""Width of a letter of a phase's name, inches."""
+_LEGEND_ROWS, _LEGEND_FONTS = (9, 14), (8.5, 6.8)
+"""Rows and size of letters (points) of a legend of one column, and of two."""
+_SMALLEST_FONT, _PHASE_FONT = 5.6, 8.5
+_LETTER = 0.61
+"""Width of a letter over its size."""
+_HANDLE = 3.3
+"""Width of the line beside a name in a legend, and of the gaps, over the size of letters."""
 
 
 @dataclass(frozen=True)
@@ -109,6 +114,7 @@ def draw(
     phases: Sequence[PhaseResult] = (),
     *,
     dark: bool = False,
+    columns: int = _COLUMNS,
 ) -> None:
     """Draw a series on axes, phases shaded and named.
 
@@ -120,35 +126,43 @@ def draw(
     phases : sequence of PhaseResult
     dark : bool
         For a dark background.
+    columns : int
+        As of `thinned`.
     """
     theme = _DARK if dark else _LIGHT
     runs = {"": series} if isinstance(series, Series) else dict(series)
     first = next(iter(runs.values()))
     labels = list(dict.fromkeys(label for one in runs.values() for label in one.labels))
-    columns = max(_FEWEST, min(_COLUMNS, _POINTS // max(1, len(labels))))
+    names = list(runs)
     handles: dict[str, Any] = {}
+    if len(runs) > 1 and len(labels) > 1:
+        handles |= {name: axes.plot([], color=theme.text, linestyle=_DASHES[k])[0] for k, name in enumerate(names)}
     for number, one in enumerate(runs.values()):
         for k, label in enumerate(one.labels):
-            place = labels.index(label)
+            place = labels.index(label) if len(labels) > 1 else number  # one curve of each run: they differ in colour
             values = np.maximum(one.values[:, k], _LEAST) if one.logarithmic else one.values[:, k]
             kept = thinned(one.time, values, columns)
             style = _style(place, number, len(runs), theme)
             (line,) = axes.plot(one.time[kept], values[kept], **style)
-            handles.setdefault(label, line)
+            handles.setdefault(label if len(labels) > 1 or len(runs) == 1 else names[number], line)
     start, end = _span(runs.values())
     axes.set_xlim(start, end)
     if first.logarithmic:
         axes.set_yscale("log")
     limit = _draw_limits(axes, first, theme)
-    _draw_phases(axes, phases, theme)
-    _dress(axes, first, theme)
     if limit is not None:
         handles["limit"] = limit
-    _draw_legend(axes, handles, list(runs) if len(runs) > 1 else [], theme)
+    _draw_phases(axes, phases, theme)
+    _dress(axes, first, theme)
+    _draw_legend(axes, handles, theme)
 
 
 def figure(
-    series: Sequence[Series | Mapping[str, Series]], phases: Sequence[PhaseResult] = (), *, dark: bool = False
+    series: Sequence[Series | Mapping[str, Series]],
+    phases: Sequence[PhaseResult] = (),
+    *,
+    dark: bool = False,
+    columns: int = _COLUMNS,
 ) -> Figure:
     """Return a figure of several series, below each other; arguments as of `draw`."""
     from matplotlib.figure import Figure
@@ -158,7 +172,7 @@ def figure(
     for k, one in enumerate(series):
         low, high = height - HEIGHT * (k + 1) + _BOTTOM, height - HEIGHT * k - _TOP
         axes = made.add_axes((_LEFT, low / height, _RIGHT - _LEFT, (high - low) / height))
-        draw(axes, one, phases, dark=dark)
+        draw(axes, one, phases, dark=dark, columns=columns)
     return made
 
 
@@ -170,13 +184,17 @@ def save(made: Figure, path: Path) -> None:
 
 def svg(series: Series, phases: Sequence[PhaseResult] = (), *, dark: bool) -> Panel:
     """Return a series as a panel of a page; `phases` and `dark` as of `draw`."""
-    made = figure([series], phases, dark=dark)
-    written = io.BytesIO()
-    with _settings(series.name):
-        made.savefig(written, format="svg", transparent=True, metadata=_UNDATED[".svg"])
+    told, prefix, columns = describe(series), f"{series.name}-{'dark' if dark else 'light'}", _COLUMNS
+    while True:
+        made = figure([series], phases, dark=dark, columns=columns)
+        written = io.BytesIO()
+        with _settings(series.name):
+            made.savefig(written, format="svg", transparent=True, metadata=_UNDATED[".svg"])
+        text = _embedded(written.getvalue(), prefix, series.title, told)
+        if len(text) <= _LARGEST or columns == 1:
+            break
+        columns = max(1, int(0.9 * columns * _LARGEST / len(text)))
     start, end = made.axes[0].get_xlim()
-    told = describe(series)
-    text = _embedded(written.getvalue(), f"{series.name}-{'dark' if dark else 'light'}", series.title, told)
     return Panel(series.name, series.title, text, _LEFT, _RIGHT, float(start), float(end), told)
 
 
@@ -255,12 +273,12 @@ def _draw_phases(axes: Axes, phases: Sequence[PhaseResult], theme: _Theme) -> No
             continue
         if k % 2 == 0:
             axes.axvspan(from_, to, color=theme.band, linewidth=0.0, zorder=0.0)
-        name, room = _text(phase.name), int((to - from_) * inches / _LETTER)
-        if len(name) > room:
-            name = f"{name[: room - 1]}…" if room > 2 else ""
+        name, letters = phase.name, int((to - from_) * inches * 72.0 / (_LETTER * _PHASE_FONT))
+        if len(name) > letters:
+            name = f"{name[: letters - 1]}…" if letters > 2 else ""
         axes.text(
-            0.5 * (from_ + to), 1.015, name, transform=axes.get_xaxis_transform(),
-            ha="center", va="bottom", fontsize=8.5, color=theme.text, alpha=0.8,
+            0.5 * (from_ + to), 1.015, _text(name), transform=axes.get_xaxis_transform(),
+            ha="center", va="bottom", fontsize=_PHASE_FONT, color=theme.text, alpha=0.8,
         )  # fmt: skip
 
 
@@ -281,23 +299,30 @@ def _dress(axes: Axes, series: Series, theme: _Theme) -> None:
         spine.set_color(theme.text)
 
 
-def _draw_legend(axes: Axes, handles: Mapping[str, Any], runs: list[str], theme: _Theme) -> None:
-    """Put names at the right of the axes: first those of the runs, then those of the curves."""
-    from matplotlib.lines import Line2D
-
-    shown = {_label(run): Line2D([], [], color=theme.text, linestyle=_DASHES[k]) for k, run in enumerate(runs)}
-    shown |= {_label(label): line for label, line in handles.items()}
-    many = len(shown) > _LONG_LEGEND
+def _draw_legend(axes: Axes, handles: Mapping[str, Any], theme: _Theme) -> None:
+    """Put names at the right of the axes, in two columns where they are many, as large as there is room for."""
+    shown = list(handles.items())
+    columns = 1 if len(shown) <= _LEGEND_ROWS[0] else 2
+    most = columns * _LEGEND_ROWS[columns - 1]
+    if len(shown) > most:
+        shown[most - 1 :] = [(f"… and {len(shown) - most + 1} more", axes.plot([], linestyle="none")[0])]
+    room = 0.95 * (1.0 - _RIGHT) * WIDTH * 72.0 / columns
+    longest = max((len(name) for name, _ in shown), default=0)
+    size = min(_LEGEND_FONTS[columns - 1], max(_SMALLEST_FONT, room / (_HANDLE + _LETTER * longest)))
+    letters = int((room / size - _HANDLE) / _LETTER)
     axes.legend(
-        list(shown.values()), list(shown), loc="upper left", bbox_to_anchor=(1.01, 1.04), borderaxespad=0.0,
-        ncols=2 if many else 1, fontsize=6.8 if many else 8.5, labelcolor=theme.text, frameon=False,
-        handlelength=2.2, handletextpad=0.5, columnspacing=0.9, labelspacing=0.45,
+        [handle for _, handle in shown], [_label(name, letters) for name, _ in shown],
+        loc="upper left", bbox_to_anchor=(1.01, 1.04), borderaxespad=0.0, borderpad=0.0, ncols=columns, fontsize=size,
+        labelcolor=theme.text, frameon=False, handlelength=2.2, handletextpad=0.5, columnspacing=0.6, labelspacing=0.45,
     )  # fmt: skip
 
 
-def _label(text: str) -> str:
-    name = _text(text if len(text) <= _LONGEST_LABEL else f"{text[: _LONGEST_LABEL - 1]}…")
-    return f" {name}" if name.startswith("_") else name  # Matplotlib hides what begins with an underscore
+def _label(name: str, letters: int) -> str:
+    """Return a name of at most so many letters: what tells joints apart stands at either end."""
+    if len(name) > letters:
+        name = f"{name[: (letters - 1) // 2]}…{name[-(letters // 2) :]}"
+    text = _text(name)
+    return f" {text}" if text.startswith("_") else text  # Matplotlib hides what begins with an underscore
 
 
 def _text(name: str) -> str:
