@@ -117,7 +117,7 @@ class Command:
     @property
     def generalized_jacobian(self) -> Floats:
         """J_m* of all tasks about points (r, n), rows as they measure their errors, task after task."""
-        J: Floats = self._rows[0][self._layout.geometric, : len(self._layout.joints)]
+        J: Floats = self._rows[0].take(self._layout.geometric, axis=0)[:, : len(self._layout.joints)]
         return J
 
     @property

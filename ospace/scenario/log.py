@@ -10,6 +10,7 @@ import json
 import os
 import platform
 import zipfile
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
@@ -170,9 +171,9 @@ def save(run: Run | Log, path: str | os.PathLike[str]) -> Path:
 def load(path: str | os.PathLike[str]) -> Log:
     """Read what `save` wrote; raises `OspaceError` if the file cannot be read or holds something else."""
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
             stored: dict[str, Any] = {name: file[name] for name in file.files}
-    except (OSError, ValueError, AttributeError, EOFError, zipfile.BadZipFile) as error:
+    except (OSError, ValueError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
         raise OspaceError(f"{path}: no run can be read from it ({error})") from None
     try:
         about = json.loads(str(stored.pop(_ABOUT)))

@@ -63,8 +63,9 @@ def of(log: Log) -> dict[str, Series]:
 def _joined(parts: Sequence[_Part]) -> _Part:
     """Put parts one after the other; NaN where one lacks a label that another has."""
     labels = dict.fromkeys(label for _, values in parts for label in values)
-    times = [np.zeros(0), *(time for time, _ in parts)]
-    return np.concatenate(times), {
+    time = np.concatenate([np.zeros(0), *(time for time, _ in parts)])
+    # a segment may begin a rounding error before the one before it ends
+    return np.maximum.accumulate(time), {
         label: np.concatenate([values.get(label, np.full(len(time), np.nan)) for time, values in parts])
         for label in labels
     }

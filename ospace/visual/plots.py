@@ -147,7 +147,7 @@ def draw(
             handles.setdefault(label if len(labels) > 1 or len(runs) == 1 else names[number], line)
     start, end = _span(runs.values())
     axes.set_xlim(start, end)
-    if first.logarithmic:
+    if first.logarithmic and any(np.isfinite(one.values).any() for one in runs.values()):
         axes.set_yscale("log")
     limit = _draw_limits(axes, first, theme)
     if limit is not None:
