@@ -38,12 +38,10 @@ def texts(svg):
 
 
 def curves(svg, colour="#56b4e9"):
-    """Return points (M, 2) of the longest curve of a colour, in the SVG's coordinates."""
-    paths = [
-        path.get("d") for path in ElementTree.fromstring(svg).iter(f"{SVG}path") if colour in path.get("style", "")
-    ]
-    longest = max(paths, key=len)
-    return np.array(re.findall(r"[ML] (\S+) (\S+)", longest), dtype=float)
+    """Return points (M, 2) of the curve of a colour, in the SVG's coordinates; those of the legend are not clipped."""
+    paths = ElementTree.fromstring(svg).iter(f"{SVG}path")
+    (found,) = (path for path in paths if colour in path.get("style", "") and path.get("clip-path"))
+    return np.array(re.findall(r"[ML] (\S+) (\S+)", found.get("d")), dtype=float)
 
 
 # -- thinning ----------------------------------------------------------------------------------------------------
