@@ -6,6 +6,7 @@ MISSION = """
 name = "A short mission"
 [robot]
 model = "planar_2r"
+rpy = ["30 deg", "-40 deg", "50 deg"]
 joints = { joint_1 = "20 deg", joint_2 = "60 deg" }
 [target]
 model = "target"

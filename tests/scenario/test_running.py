@@ -92,6 +92,23 @@ def test_orientations_by_the_poses_themselves(grasped):
                 assert math.acos(min(1.0, (np.trace(R @ first.T) - 1.0) / 2.0)) < math.radians(0.01)
 
 
+def test_sigma_min_by_the_generalized_jacobian(grasped):
+    for phase in (grasped.phases[1], grasped.phases[3]):
+        segment = grasped.segments[phase.segment]
+        k = int(np.argmin(np.abs(segment.trajectory.time - phase.time[1000])))
+        state = segment.robot.state(segment.trajectory.q[k], segment.trajectory.v[k])
+        for task, frame, axes in (
+            ("right hand", "right_hand", "all"),
+            ("head", "head", "angular"),
+            ("base", "base", "angular"),
+        ):
+            if task in phase.sigma_min:
+                J = ospace.generalized_jacobian(state, segment.robot.point(frame, axes=axes)).generalized_jacobian
+                smallest = np.linalg.svd(J, compute_uv=False)[-1]
+                assert phase.sigma_min[task][1000] == pytest.approx(smallest, rel=1e-9)
+    assert [len(phase.sigma_min) for phase in grasped.phases] == [3, 3, 3, 2]
+
+
 def test_the_hand_meets_the_fixture(grasped):
     """By the last states of both before the grasp."""
     segment = grasped.segments[0]
