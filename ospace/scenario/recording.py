@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,6 @@ from ospace.control import Command, Controller, Task
 from ospace.kernels import tasks as kernel
 from ospace.kernels.tables import Floats
 from ospace.points import OperationalPoint
-from ospace.robot import SpaceRobot
 from ospace.scenario.result import BASE, TaskErrors
 
 _AT_ONCE = 256
@@ -25,6 +24,7 @@ Jacobians of a long run would not fit into memory."""
 class _Cycle:
     time: float
     errors: Floats
+    poses: Floats
     taken: float
 
 
@@ -44,6 +44,9 @@ class Recording:
         self.near_singularity: Counter[str] = Counter()
         self._rows = {task.name: task.rows(controller.robot) for task in controller.tasks}
         self._about_points = [task for task in controller.tasks if task.kind <= kernel.LOOK_AT]
+        self._points = _points(self._about_points)
+        self._tracked = {name: point for name, point in self._points.items() if name != BASE}
+        self._data = controller.robot.model.createData()
         self._cycles: list[_Cycle] = []
         self._jacobians: list[Floats] = []
         self._singular: dict[str, list[Floats]] = {task.name: [] for task in self._about_points}
@@ -51,8 +54,8 @@ class Recording:
     def __len__(self) -> int:
         return len(self._cycles)
 
-    def take(self, time: float, command: Command) -> None:
-        """Take down one cycle, at `time`, s."""
+    def take(self, time: float, q: Floats, command: Command) -> None:
+        """Take down one cycle, at `time` (s) in the configuration `q`."""
         if self._about_points:
             self._jacobians.append(command.generalized_jacobian)
         if len(self._jacobians) == _AT_ONCE:
@@ -61,7 +64,8 @@ class Recording:
         self.active_limits.update(command.active_limits)
         self.near_singularity.update(command.near_singularity)
         # one call that Ctrl-C cannot divide: a cycle counts when it is whole
-        self._cycles.append(_Cycle(time, np.concatenate(tuple(command.errors.values())), command.timing.total))
+        errors = np.concatenate(tuple(command.errors.values()))
+        self._cycles.append(_Cycle(time, errors, self._poses(q), command.timing.total))
 
     @property
     def time(self) -> Floats:
@@ -100,15 +104,11 @@ class Recording:
         none = np.zeros(0)
         return {name: np.concatenate([none, *parts])[: len(self)] for name, parts in self._singular.items()}
 
-    def poses(self, Q: Floats) -> dict[str, Floats]:
-        """Return the pose of each of the tasks' points, but for the base, at the cycles (N, 7).
-
-        `Q` (M, nq) are the configurations recorded at them. Ctrl-C may have come before the last was: NaN.
-        """
-        points = {name: point for name, point in self._points.items() if name != BASE}
-        known = poses(self.controller.robot, points, Q)
-        missing = np.full((len(self) - len(Q), 7), np.nan)
-        return {name: np.concatenate([values, missing]) for name, values in known.items()}
+    @property
+    def poses(self) -> dict[str, Floats]:
+        """Pose of each of the tasks' points but the base: place and quaternion x, y, z, w, inertial axes (N, 7)."""
+        X = np.array([cycle.poses for cycle in self._cycles])
+        return {name: X[:, k] for k, name in enumerate(self._tracked)}
 
     def _reduce(self) -> None:
         """Take the singular values of the Jacobians that wait for it."""
@@ -124,15 +124,24 @@ class Recording:
             first += rows
         self._jacobians.clear()
 
-    @property
-    def _points(self) -> dict[str, OperationalPoint]:
-        """Points of all tasks, each once, by names of their own."""
-        found: dict[str, OperationalPoint] = {}
-        for task in self._about_points:
-            for point in task.points:
-                if not any(_same(point, known) for known in found.values()):
-                    found[_name(point, task, found)] = point
+    def _poses(self, q: Floats) -> Floats:
+        """Return the poses at the configuration `q` (k, 7), by Pinocchio's forward kinematics."""
+        found = np.empty((len(self._tracked), 7))
+        if self._tracked:
+            pin.forwardKinematics(self.controller.robot.model, self._data, q)
+            for k, point in enumerate(self._tracked.values()):
+                found[k] = pin.SE3ToXYZQUAT(self._data.oMi[point.joint] * point.placement)
         return found
+
+
+def _points(tasks: Sequence[Task]) -> dict[str, OperationalPoint]:
+    """Return the points of tasks, each once, by names of their own."""
+    found: dict[str, OperationalPoint] = {}
+    for task in tasks:
+        for point in task.points:
+            if not any(_same(point, known) for known in found.values()):
+                found[_name(point, task, found)] = point
+    return found
 
 
 def _name(point: OperationalPoint, task: Task, taken: Mapping[str, OperationalPoint]) -> str:
@@ -147,16 +156,3 @@ def _name(point: OperationalPoint, task: Task, taken: Mapping[str, OperationalPo
 
 def _same(a: OperationalPoint, b: OperationalPoint) -> bool:
     return bool(a.joint == b.joint and a.placement == b.placement)
-
-
-def poses(robot: SpaceRobot, points: Mapping[str, OperationalPoint], Q: Floats) -> dict[str, Floats]:
-    """Return the pose of each point, inertial axes, at configurations `Q` (N, nq): place and quaternion (N, 7)."""
-    model, data = robot.model, robot.model.createData()
-    found = {name: np.empty((len(Q), 7)) for name in points}
-    if not points:
-        return found
-    for k, q in enumerate(Q):
-        pin.forwardKinematics(model, data, q)
-        for name, point in points.items():
-            found[name][k] = pin.SE3ToXYZQUAT(data.oMi[point.joint] * point.placement)
-    return found

@@ -75,7 +75,7 @@ class _Phase:
 
     def update(self, cycle: int, time: float, q: Floats, v: Floats) -> Command:
         command = self.controller.update(time, q, v)
-        self.recording.take(time, command)
+        self.recording.take(time, q, command)
         elapsed = (cycle + 1 - self.first) * self.period  # when this command has acted
         if elapsed >= self._earliest - _ROUNDING and all(self.controller.completed(one) for one in self._awaited):
             self.outcome = "complete"
@@ -83,8 +83,8 @@ class _Phase:
             self.outcome = "timed out"
         return command
 
-    def result(self, segment: int, end: float, Q: Floats) -> PhaseResult:
-        """Return what became of it so far; `Q` (N, nq) are the configurations at its cycles."""
+    def result(self, segment: int, end: float) -> PhaseResult:
+        """Return what became of it so far."""
         outcome = self.outcome or "interrupted"
         reason = ""
         if outcome == "timed out":
@@ -105,7 +105,7 @@ class _Phase:
             near_singularity=dict(recording.near_singularity),
             cycle_time=recording.cycle_time,
             sigma_min=recording.sigma_min,
-            poses=recording.poses(Q),
+            poses=recording.poses,
         )
 
 
@@ -190,25 +190,23 @@ class _Running:
             trajectory, failure = error.trajectory, str(error)
         phases = conductor.phases
         end = float(trajectory.time[-1])
+        self.cycle = first + (len(trajectory) - 1) // self.ticks
+        self.segments.append(self._recorded(robot, trajectory, first))
+        self.certificates.append(trajectory.certificate())
+        self.wheels = trajectory.wheel_momentum[-1]
+        self.interrupted = trajectory.interrupted
+        segment = len(self.segments) - 1
         for k, phase in enumerate(phases):
             if phase.recording:
                 over = k + 1 < len(phases) and phases[k + 1].recording
-                to = phases[k + 1].first * self.period if over else end
-                cycles_of = slice((phase.first - first) * self.ticks, None, self.ticks)
-                Q = trajectory.q[cycles_of][: len(phase.recording)]
-                result = phase.result(len(self.segments), to, Q)
+                result = phase.result(segment, phases[k + 1].first * self.period if over else end)
                 if failure and phase.outcome is None:
                     result = replace(result, outcome="failed", reason=failure)
                 self.results.append(result)
         begun = [phase for phase in phases if phase.recording]
         going_on = not begun or begun[-1].outcome == "complete"
         if (failure or trajectory.interrupted) and going_on and len(begun) < len(plans):
-            self.results.append(_nothing(plans[len(begun)], len(self.segments), end, failure))
-        self.cycle = first + (len(trajectory) - 1) // self.ticks
-        self.segments.append(self._recorded(robot, trajectory, first))
-        self.certificates.append(trajectory.certificate())
-        self.wheels = trajectory.wheel_momentum[-1]
-        self.interrupted = trajectory.interrupted
+            self.results.append(_nothing(plans[len(begun)], segment, end, failure))
         if failure or trajectory.interrupted:
             return False
         self.state = robot.state(trajectory.q[-1], trajectory.v[-1])
