@@ -2,17 +2,9 @@
 
 from __future__ import annotations
 
-import importlib.util
 from pathlib import Path
 
 from ospace.benchmark.report import Benchmark
-from ospace.exceptions import OspaceError
-
-
-def require() -> None:
-    """Raise `OspaceError` where Matplotlib is not installed, before anything is measured."""
-    if importlib.util.find_spec("matplotlib") is None:
-        raise OspaceError("a plot needs Matplotlib: pip install 'ospace[plot]'")
 
 
 def save(result: Benchmark, path: Path) -> None:

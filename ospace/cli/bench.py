@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 import json
 import math
-from pathlib import Path
+from contextlib import nullcontext
 from typing import TYPE_CHECKING, Any
 
-from ospace.cli import paper
+from ospace.cli import output, paper
 from ospace.cli.paper import plain
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def add_to(verbs: Any) -> None:
     verb.add_argument("--seconds", metavar="S", type=_seconds, default=1.0, help="time for each row (default: 1)")
     verb.add_argument("--free-mimic", action="store_true", help="release the coupling of mimic joints")
     verb.add_argument("--json", action="store_true", help="print one JSON document instead of tables")
-    verb.add_argument("--plot", metavar="FILE", type=_plot, help="write a plot: .svg, .png or .pdf")
+    verb.add_argument("--plot", metavar="FILE", type=output.figure, help="write a plot: .svg, .png or .pdf")
     verb.set_defaults(run=run)
 
 
@@ -56,32 +56,24 @@ def _seconds(text: str) -> float:
     return seconds
 
 
-def _plot(text: str) -> Path:
-    path = Path(text)
-    if path.suffix not in (".svg", ".png", ".pdf"):
-        raise argparse.ArgumentTypeError(f"'{text}' ends neither in .svg nor .png nor .pdf")
-    if not path.parent.is_dir():
-        raise argparse.ArgumentTypeError(f"'{text}': no such folder '{path.parent}'")
-    return path
-
-
 def run(given: argparse.Namespace) -> tuple[int, str]:
     """Measure; return the exit status and the text to print."""
     from ospace.benchmark import plot, report
     from ospace.cli import progress
     from ospace.cli.main import find
+    from ospace.extras import require
     from ospace.robot import SpaceRobot
 
     if given.plot:
-        plot.require()
-        given.plot.open("ab").close()  # whether it can be written, before anything is measured
-    robot = SpaceRobot.from_urdf(find(given.urdf), free_mimic=given.free_mimic)
-    with progress.bar(given, "comparing results", 1):
-        plan = report.prepare(robot, given.points)
-    with progress.bar(given, "timing", plan.turns) as advance:
-        result = report.run(plan, seconds=given.seconds, tick=_counted(advance))
-    if given.plot:
-        plot.save(result, given.plot)
+        require("matplotlib", "a plot")
+    with output.writable(given.plot) if given.plot else nullcontext():
+        robot = SpaceRobot.from_urdf(find(given.urdf), free_mimic=given.free_mimic)
+        with progress.bar(given, "comparing results", 1):
+            plan = report.prepare(robot, given.points)
+        with progress.bar(given, "timing", plan.turns) as advance:
+            result = report.run(plan, seconds=given.seconds, tick=_counted(advance))
+        if given.plot:
+            plot.save(result, given.plot)
     if given.json:
         return 0, json.dumps(result.as_dict(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     return 0, _text(result)

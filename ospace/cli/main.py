@@ -16,7 +16,7 @@ from pathlib import Path
 import ospace
 
 EXIT_FINDINGS, EXIT_USAGE, EXIT_INTERRUPTED = 1, 2, 130
-_VERBS = ("check", "run", "bench")
+_VERBS = ("check", "run", "plot", "bench")
 # The matrices here are small: threads of the linear algebra would wait for each other longer than they work.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 

@@ -131,9 +131,8 @@ def _show(console: Console, result: Run, name: str) -> None:
     console.print(_phases(result))
     for phase in result.phases:
         _show_more(console, phase)
-    if len(result.phases) < len(scenario.phases):
-        left = ", ".join(phase.name for phase in scenario.phases[len(result.phases) :])
-        console.print(f"not begun: {plain(left)}")
+    if result.not_begun:
+        console.print(f"not begun: {plain(', '.join(result.not_begun))}")
     past = result.exceeded
     limits = ", ".join(f"{limit} by {excess:.2g}" for limit, excess in past.items()) or "none"
     console.print(f"limits of joints exceeded: {plain(limits)}")

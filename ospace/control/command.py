@@ -115,6 +115,12 @@ class Command:
         return np.asarray(np.linalg.svd(J, compute_uv=False) if J.size else np.zeros(0), dtype=np.float64)
 
     @property
+    def generalized_jacobian(self) -> Floats:
+        """J_m* of all tasks about points (r, n), rows as they measure their errors, task after task."""
+        J: Floats = self._rows[0].take(self._layout.geometric, axis=0)[:, : len(self._layout.joints)]
+        return J
+
+    @property
     def rank(self) -> int:
         """Rank of the generalized Jacobian, with the base's actuation, of all tasks about points; cut at 1e-9 of σ_max.
 

@@ -1,67 +1,167 @@
-"""Files that hold a run: one ``.npz``, or a folder of CSV files."""
+"""Files that hold a run: one ``.npz``, or a folder of CSV files.
+
+The ``.npz`` holds each array of a `Log` under its own name, and under ``about`` a JSON text with all the rest of it,
+where ``{"array": name}`` stands for an array.
+"""
 
 from __future__ import annotations
 
+import json
 import os
-from collections.abc import Iterator
-from dataclasses import dataclass, fields
+import platform
+import zipfile
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 
+import ospace
 from ospace.exceptions import OspaceError
 from ospace.kernels.tables import Floats
-from ospace.scenario.result import Run
-from ospace.simulation import Trajectory
-
-_TARGET = ("time", "q", "v")
+from ospace.scenario.result import BASE, Contact, PhaseResult, Run, Segment, TaskErrors, Verdict
+from ospace.simulation import Certificate, Conserved, Trajectory
 
 
 @dataclass(frozen=True, eq=False)
-class Log:
-    """What `load` reads.
+class TargetMotion:
+    """A target that moves by itself.
+
+    Attributes
+    ----------
+    robot_name : str
+    time : (M,)
+        s.
+    q, v : (M, nq), (M, nv)
+        As of `SpaceRobot.state`.
+    """
+
+    robot_name: str
+    time: Floats
+    q: Floats
+    v: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class LoggedSegment:
+    """Part of a run with one and the same robot.
+
+    Attributes
+    ----------
+    joints : tuple of str
+        Names of the joints, in the order of the torques.
+    torque_limits : (n,)
+        To either side, N m, or N for prismatic joints; infinity where the model has none, 0 for a joint without drive.
+    trajectory : Trajectory
+        Of the chaser, or of chaser and target combined; the base's pose is the first seven numbers of its q.
+    target : TargetMotion, optional
+        While it moves by itself.
+    """
+
+    joints: tuple[str, ...]
+    torque_limits: Floats
+    trajectory: Trajectory
+    target: TargetMotion | None
+
+
+@dataclass(frozen=True, eq=False)
+class Log(Verdict):
+    """All that a run leaves behind, without the robot and the controller that made it.
+
+    Logs are equal if all that they hold is.
 
     Attributes
     ----------
     scenario : str
         The text of the scenario.
-    trajectories : tuple of Trajectory
-        Of the chaser, segment by segment: before and after each grasp or release.
-    targets : tuple of (time, q, v) or None
-        Of the target while it moves by itself, segment by segment.
-    phases : dict of str to array
-        ``name``, ``outcome``, ``start``, ``end`` and ``segment`` of each phase.
-    errors : tuple of dict
-        Of each phase: ``time`` (N,), and each task's norms (N, 2) by its name under ``tasks``.
+    name : str
+        Its title.
+    versions : mapping of str to str
+        Of ospace, pin, numpy and python.
+    segments : tuple of LoggedSegment
+        From a grasp or release to the next.
+    phases : tuple of PhaseResult
+        Those that began.
+    not_begun : tuple of str
+        Names of the others.
+    certificate : Certificate
+        The worst of all segments, of the target by itself, and of grasps.
+    exceeded : mapping of str to float
+        As of `Run`.
+    seconds : float
+        Wall time.
+    interrupted : bool
+        Ctrl-C ended the run.
     """
 
     scenario: str
-    trajectories: tuple[Trajectory, ...]
-    targets: tuple[tuple[Floats, Floats, Floats] | None, ...]
-    phases: dict[str, Any]
-    errors: tuple[dict[str, Any], ...]
+    name: str
+    versions: Mapping[str, str]
+    segments: tuple[LoggedSegment, ...]
+    phases: tuple[PhaseResult, ...]
+    not_begun: tuple[str, ...]
+    certificate: Certificate
+    exceeded: Mapping[str, float]
+    seconds: float
+    interrupted: bool
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Log):
+            return NotImplemented
+        ours, theirs = _content(self), _content(other)
+        return ours.keys() == theirs.keys() and all(
+            np.array_equal(ours[name], theirs[name], equal_nan=name != _ABOUT) for name in ours
+        )
+
+    __hash__ = None  # type: ignore[assignment]
 
 
-def save(run: Run, path: str | os.PathLike[str]) -> Path:
+def of(run: Run) -> Log:
+    """Return the log of a run."""
+    return Log(
+        scenario=run.scenario.source,
+        name=run.scenario.name,
+        versions={
+            "ospace": ospace.__version__,
+            "pin": pin.__version__,
+            "numpy": np.__version__,
+            "python": platform.python_version(),
+        },
+        segments=tuple(_logged(segment, run) for segment in run.segments),
+        phases=run.phases,
+        not_begun=run.not_begun,
+        certificate=run.certificate,
+        exceeded=run.exceeded,
+        seconds=run.seconds,
+        interrupted=run.interrupted,
+    )
+
+
+def _logged(segment: Segment, run: Run) -> LoggedSegment:
+    robot, actuated = segment.robot, run.scenario.robot
+    limits = run.scenario.limits.of(robot, actuated).torque
+    driven = [name in actuated.joint_names for name in robot.joint_names]
+    target = None
+    if segment.target is not None:
+        target = TargetMotion(segment.target.name, segment.target_time, segment.target_q, segment.target_v)
+    return LoggedSegment(tuple(robot.joint_names), np.where(driven, limits, 0.0), segment.trajectory, target)
+
+
+# -- one file ----------------------------------------------------------------------------------------------------
+
+_ABOUT = "about"
+_FORMAT = "ospace run 1"
+
+
+def save(run: Run | Log, path: str | os.PathLike[str]) -> Path:
     """Write a run to ``path``, compressed; the suffix is ``.npz``. The file appears when it is whole."""
     file = Path(path).with_suffix(".npz")
-    content: dict[str, Any] = {"scenario": run.scenario.source}
-    for k, segment in enumerate(run.segments):
-        for one in fields(Trajectory):
-            content[f"segment{k}/{one.name}"] = getattr(segment.trajectory, one.name)
-        if segment.target is not None:
-            values = (segment.target_time, segment.target_q, segment.target_v)
-            content |= {f"segment{k}/target/{name}": value for name, value in zip(_TARGET, values, strict=True)}
-    for name in ("name", "outcome", "start", "end", "segment"):
-        content[f"phases/{name}"] = np.array([getattr(phase, name) for phase in run.phases])
-    for k, phase in enumerate(run.phases):
-        content[f"phase{k}/time"] = phase.time
-        for task, errors in phase.errors.items():
-            content[f"phase{k}/errors/{task.replace('/', '_')}"] = errors.norms
     part = file.with_name(f".{file.name}.part.npz")
     try:
-        np.savez_compressed(part, **content)
+        np.savez_compressed(part, **_content(run if isinstance(run, Log) else of(run)))
         os.replace(part, file)
     finally:
         part.unlink(missing_ok=True)
@@ -71,26 +171,93 @@ def save(run: Run, path: str | os.PathLike[str]) -> Path:
 def load(path: str | os.PathLike[str]) -> Log:
     """Read what `save` wrote; raises `OspaceError` if the file cannot be read or holds something else."""
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
             stored: dict[str, Any] = {name: file[name] for name in file.files}
-        trajectories, targets = [], []
-        for k in _count(stored, "segment"):
-            values = {one.name: stored[f"segment{k}/{one.name}"] for one in fields(Trajectory)}
-            trajectories.append(
-                Trajectory(**{name: value.item() if value.ndim == 0 else value for name, value in values.items()})
-            )
-            target = tuple(stored.get(f"segment{k}/target/{name}") for name in _TARGET)
-            targets.append(None if target[0] is None else target)
-        phases = {name[7:]: value for name, value in stored.items() if name.startswith("phases/")}
-        errors = []
-        for k in range(len(phases["name"])):
-            tasks = {name.split("/", 2)[2]: stored[name] for name in stored if name.startswith(f"phase{k}/errors/")}
-            errors.append({"time": stored[f"phase{k}/time"], "tasks": tasks})
-        return Log(str(stored["scenario"]), tuple(trajectories), tuple(targets), phases, tuple(errors))  # type: ignore[arg-type]
-    except KeyError as error:
-        raise OspaceError(f"{path}: holds no run of a scenario: {error} is missing") from None
-    except (OSError, ValueError, AttributeError) as error:
+    except (OSError, ValueError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
         raise OspaceError(f"{path}: no run can be read from it ({error})") from None
+    try:
+        about = json.loads(str(stored.pop(_ABOUT)))
+        if about.pop("format") != _FORMAT:
+            raise KeyError
+        log = _log(_unpacked(about, stored))
+    except (KeyError, TypeError, ValueError, AttributeError):
+        raise OspaceError(
+            f"{path}: holds no run of a scenario as ospace {ospace.__version__} writes it: run the scenario again, "
+            f"with --log"
+        ) from None
+    return log
+
+
+def _content(log: Log) -> dict[str, Any]:
+    """Return all that a log holds, by names in the file."""
+    arrays: dict[str, Any] = {}
+    about = {"format": _FORMAT} | _packed(log, "", arrays)
+    return {_ABOUT: json.dumps(about, ensure_ascii=False)} | arrays
+
+
+def _packed(value: Any, name: str, arrays: dict[str, Any]) -> Any:
+    """Return what JSON can hold of `value`; put its arrays into `arrays`."""
+    if isinstance(value, np.ndarray):
+        while name in arrays:  # two names may differ in letters that a file's may not have
+            name += "_"
+        arrays[name] = value
+        return {"array": name}
+    if is_dataclass(value):
+        value = {one.name: getattr(value, one.name) for one in fields(value)}
+    if isinstance(value, Mapping):
+        return {key: _packed(one, f"{name}/{_safe(key)}".lstrip("/"), arrays) for key, one in value.items()}
+    if isinstance(value, tuple):
+        return [_packed(one, f"{name}/{k}", arrays) for k, one in enumerate(value)]
+    return value
+
+
+def _unpacked(value: Any, arrays: Mapping[str, Any]) -> Any:
+    """Return dictionaries and tuples with their arrays."""
+    if isinstance(value, list):
+        return tuple(_unpacked(one, arrays) for one in value)
+    if not isinstance(value, dict):
+        return value
+    if value.keys() == {"array"} and isinstance(value["array"], str):
+        array = arrays[value["array"]]
+        if array.dtype != np.float64:
+            raise TypeError
+        return array
+    return {key: _unpacked(one, arrays) for key, one in value.items()}
+
+
+def _log(known: dict[str, Any]) -> Log:
+    """Make a log of what was read; raises where something is missing, unknown, or of a shape that fits nothing."""
+    segments, phases = [], []
+    for one in known["segments"]:
+        target = TargetMotion(**one["target"]) if one["target"] is not None else None
+        segment = LoggedSegment(**one | {"trajectory": Trajectory(**one["trajectory"]), "target": target})
+        _of_length(len(segment.joints), segment.torque_limits, segment.trajectory.torque.T)
+        run = segment.trajectory
+        values = [getattr(run, each.name) for each in fields(run) if each.name != "frame_velocity"]
+        _of_length(len(run), *(value for value in values if isinstance(value, np.ndarray)))
+        segments.append(segment)
+    for one in known["phases"]:
+        errors = {task: TaskErrors(**each) for task, each in one["errors"].items()}
+        grasp = Contact(**one["grasp"]) if one["grasp"] is not None else None
+        phase = PhaseResult(**one | {"errors": errors, "grasp": grasp})
+        norms = [each.norms for each in errors.values()]
+        _of_length(len(phase.time), phase.cycle_time, *norms, *phase.sigma_min.values(), *phase.poses.values())
+        known_points = {BASE, *phase.poses}
+        if not 0 <= phase.segment < len(segments) or not all(
+            known_points >= {*each.points} for each in errors.values()
+        ):
+            raise ValueError
+        phases.append(phase)
+    certificate = Certificate(tuple(Conserved(**one) for one in known["certificate"]["quantities"]))
+    return Log(**known | {"segments": tuple(segments), "phases": tuple(phases), "certificate": certificate})
+
+
+def _of_length(length: int, *arrays: Floats) -> None:
+    if any(len(array) != length for array in arrays):
+        raise ValueError
+
+
+# -- a folder ----------------------------------------------------------------------------------------------------
 
 
 def to_csv(run: Run, folder: str | os.PathLike[str]) -> list[Path]:
@@ -126,13 +293,6 @@ def to_csv(run: Run, folder: str | os.PathLike[str]) -> list[Path]:
 def _table(file: Path, heading: list[str], values: Floats) -> Path:
     np.savetxt(file, values, fmt="%.17g", delimiter=",", header=",".join(heading), comments="", encoding="utf-8")
     return file
-
-
-def _count(stored: dict[str, Any], what: str) -> Iterator[int]:
-    k = 0
-    while f"{what}{k}/time" in stored:
-        yield k
-        k += 1
 
 
 def _quoted(text: str) -> str:

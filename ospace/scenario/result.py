@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from typing import Literal
 
 import numpy as np
@@ -16,6 +16,8 @@ from ospace.simulation import Certificate, Conserved, Grasp, Trajectory
 Outcome = Literal["complete", "timed out", "interrupted", "failed"]
 _ROUNDING = {"torque": 1e-8, "position": 1e-6, "velocity": 1e-6}
 """What may pass a limit, relative to the larger of it and 1."""
+BASE = "base"
+"""Name of the base-link frame's origin among points."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,10 +29,13 @@ class TaskErrors:
     norms : (N, 2)
         Of the linear rows and of the angular ones or of the joints; NaN where it has none.
     units : tuple of 2 str
+    points : tuple of str
+        What the task is about, by its names in `PhaseResult.poses`; none for tasks of joints or of the whole robot.
     """
 
     norms: Floats
     units: tuple[str, str]
+    points: tuple[str, ...] = ()
 
     @property
     def worst(self) -> Floats:
@@ -43,6 +48,22 @@ class TaskErrors:
         """Those of the last cycle (2,)."""
         last: Floats = self.norms[-1]
         return last
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """How a grasp went; the attributes are those of `ospace.simulation.Grasp`."""
+
+    impulse: Floats
+    energy_lost: float
+    position_error: float
+    angle_error: float
+    velocity_error: Floats
+
+    @classmethod
+    def of(cls, held: Grasp) -> Contact:
+        """Take what is to be told from a grasp."""
+        return cls(**{one.name: getattr(held, one.name) for one in fields(cls)})
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,9 +89,14 @@ class PhaseResult:
         Cycles in which each limit was active, by ``'joint: kind, side'``.
     near_singularity : mapping of task name to int
         Cycles in which the task was near a dynamic singularity.
-    cycle : float
-        Median time that a control cycle took, s.
-    grasp : Grasp, optional
+    cycle_time : (N,)
+        What each control cycle took, s.
+    sigma_min : mapping of task name to (N,)
+        Smallest singular value of the generalized Jacobian J_m* of each task about points, joints alone.
+    poses : mapping of str to (N, 7)
+        Of each point that a task is about: place (m) and quaternion x, y, z, w, inertial axes, by Pinocchio's forward
+        kinematics. The base is not among them: its pose is the first seven numbers of q.
+    grasp : Contact, optional
         That ended it.
     """
 
@@ -85,8 +111,10 @@ class PhaseResult:
     statuses: Mapping[str, int]
     active_limits: Mapping[str, int]
     near_singularity: Mapping[str, int]
-    cycle: float
-    grasp: Grasp | None = None
+    cycle_time: Floats
+    sigma_min: Mapping[str, Floats] = field(default_factory=dict)
+    poses: Mapping[str, Floats] = field(default_factory=dict)
+    grasp: Contact | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,8 +140,33 @@ class Segment:
     target_v: Floats
 
 
+class Verdict:
+    """What both a run and its log can tell of their phases and certificate."""
+
+    phases: tuple[PhaseResult, ...]
+    not_begun: tuple[str, ...]
+    certificate: Certificate
+    interrupted: bool
+
+    @property
+    def complete(self) -> bool:
+        """Whether all phases are complete."""
+        done = all(phase.outcome == "complete" for phase in self.phases)
+        return done and not self.not_begun and not self.interrupted
+
+    @property
+    def passed(self) -> bool:
+        """Whether all phases are complete and the certificate passed."""
+        return self.complete and self.certificate.passed
+
+    @property
+    def duration(self) -> float:
+        """Simulated time, s."""
+        return self.phases[-1].end if self.phases else 0.0
+
+
 @dataclass(frozen=True, eq=False)
-class Run:
+class Run(Verdict):
     """A scenario that was run.
 
     Attributes
@@ -121,6 +174,8 @@ class Run:
     scenario : Scenario
     phases : tuple of PhaseResult
         Those that began.
+    not_begun : tuple of str
+        Names of the others.
     segments : tuple of Segment
     certificate : Certificate
         The worst of all segments, of the target by itself, and of grasps.
@@ -132,26 +187,11 @@ class Run:
 
     scenario: Scenario
     phases: tuple[PhaseResult, ...]
+    not_begun: tuple[str, ...]
     segments: tuple[Segment, ...]
     certificate: Certificate
     seconds: float
     interrupted: bool = False
-
-    @property
-    def complete(self) -> bool:
-        """Whether all phases are complete."""
-        done = [phase.outcome == "complete" for phase in self.phases]
-        return all(done) and len(done) == len(self.scenario.phases) and not self.interrupted
-
-    @property
-    def passed(self) -> bool:
-        """Whether all phases are complete and the certificate passed."""
-        return self.complete and self.certificate.passed
-
-    @property
-    def duration(self) -> float:
-        """Simulated time, s."""
-        return self.phases[-1].end if self.phases else 0.0
 
     @property
     def exceeded(self) -> dict[str, float]:

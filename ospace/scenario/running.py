@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -14,13 +13,13 @@ import pinocchio as pin
 from ospace.control import Command, Controller
 from ospace.control.references import Reference
 from ospace.exceptions import SimulationError
-from ospace.kernels import tasks as kernel
 from ospace.kernels.tables import Floats
 from ospace.robot import SpaceRobot
 from ospace.scenario.description import Follow, GraspPlan, PhasePlan, Release, Scenario
 from ospace.scenario.motion import FreeMotion
+from ospace.scenario.recording import Recording
 from ospace.scenario.references import Start
-from ospace.scenario.result import Outcome, PhaseResult, Run, Segment, TaskErrors, worst
+from ospace.scenario.result import Contact, Outcome, PhaseResult, Run, Segment, worst
 from ospace.simulation import Certificate, Conserved, Grasp, Trajectory, grasp, simulate
 from ospace.simulation.moving_frame import MovingFrame
 from ospace.state import State
@@ -71,22 +70,12 @@ class _Phase:
         )
         self._awaited = [task.name for task in tasks if task.completion is not None]
         self._earliest = earliest(plan)
-        self.time: list[float] = []
-        self.errors: list[Floats] = []
-        self.cycles: list[float] = []
-        self.statuses: Counter[str] = Counter()
-        self.limits: Counter[str] = Counter()
-        self.singular: Counter[str] = Counter()
+        self.recording = Recording(self.controller)
         self.outcome: Outcome | None = None
 
     def update(self, cycle: int, time: float, q: Floats, v: Floats) -> Command:
         command = self.controller.update(time, q, v)
-        self.time.append(time)
-        self.errors.append(np.concatenate(tuple(command.errors.values())))
-        self.cycles.append(command.timing.total)
-        self.statuses[command.status] += 1
-        self.limits.update(command.active_limits)
-        self.singular.update(command.near_singularity)
+        self.recording.take(time, q, command)
         elapsed = (cycle + 1 - self.first) * self.period  # when this command has acted
         if elapsed >= self._earliest - _ROUNDING and all(self.controller.completed(one) for one in self._awaited):
             self.outcome = "complete"
@@ -96,39 +85,27 @@ class _Phase:
 
     def result(self, segment: int, end: float) -> PhaseResult:
         """Return what became of it so far."""
-        E = np.array(self.errors)
-        errors, column = {}, 0
-        for task in self.controller.tasks:
-            rows = np.array(task.rows(self.controller.robot))
-            own = E[:, column : column + len(rows)]
-            column += len(rows)
-            if task.kind == kernel.DAMPING:
-                continue
-            linear = rows < 3 if task.kind != kernel.POSTURE else np.zeros(len(rows), dtype=bool)
-            norms = [
-                np.linalg.norm(own[:, part], axis=1) if part.any() else np.full(len(E), np.nan)
-                for part in (linear, ~linear)
-            ]
-            units = ("N s", "N m s") if task.kind == kernel.MOMENTUM else ("m", "rad")
-            errors[task.name] = TaskErrors(np.array(norms).T, units)
         outcome = self.outcome or "interrupted"
         reason = ""
         if outcome == "timed out":
             open_ = [one for one in self._awaited if not self.controller.completed(one)]
             reason = f"not complete after {self.plan.timeout:g} s: {', '.join(open_) or 'its motions take longer'}"
+        recording = self.recording
         return PhaseResult(
-            self.plan.name,
-            segment,
-            self.first * self.period,
-            end,
-            outcome,
-            reason,
-            np.array(self.time),
-            errors,
-            dict(self.statuses),
-            dict(self.limits),
-            dict(self.singular),
-            float(np.median(self.cycles)) if self.cycles else math.nan,
+            name=self.plan.name,
+            segment=segment,
+            start=self.first * self.period,
+            end=end,
+            outcome=outcome,
+            reason=reason,
+            time=recording.time,
+            errors=recording.errors,
+            statuses=dict(recording.statuses),
+            active_limits=dict(recording.active_limits),
+            near_singularity=dict(recording.near_singularity),
+            cycle_time=recording.cycle_time,
+            sigma_min=recording.sigma_min,
+            poses=recording.poses,
         )
 
 
@@ -173,8 +150,15 @@ class _Running:
         if self.target is not None:
             self.certificates += self.target.certificates
         certificate = worst([*self.certificates, Certificate(tuple(self.acts))])
-        seconds = clock.perf_counter() - began
-        return Run(self.scenario, tuple(self.results), tuple(self.segments), certificate, seconds, self.interrupted)
+        return Run(
+            self.scenario,
+            tuple(self.results),
+            tuple(plan.name for plan in self.scenario.phases[len(self.results) :]),
+            tuple(self.segments),
+            certificate,
+            clock.perf_counter() - began,
+            self.interrupted,
+        )
 
     def _free(self, state: State) -> FreeMotion:
         control = self.scenario.control
@@ -206,22 +190,23 @@ class _Running:
             trajectory, failure = error.trajectory, str(error)
         phases = conductor.phases
         end = float(trajectory.time[-1])
-        for k, phase in enumerate(phases):
-            if phase.time:
-                to = phases[k + 1].first * self.period if k + 1 < len(phases) and phases[k + 1].time else end
-                result = phase.result(len(self.segments), to)
-                if failure and phase.outcome is None:
-                    result = replace(result, outcome="failed", reason=failure)
-                self.results.append(result)
-        begun = [phase for phase in phases if phase.time]
-        going_on = not begun or begun[-1].outcome == "complete"
-        if (failure or trajectory.interrupted) and going_on and len(begun) < len(plans):
-            self.results.append(_nothing(plans[len(begun)], len(self.segments), end, failure))
         self.cycle = first + (len(trajectory) - 1) // self.ticks
         self.segments.append(self._recorded(robot, trajectory, first))
         self.certificates.append(trajectory.certificate())
         self.wheels = trajectory.wheel_momentum[-1]
         self.interrupted = trajectory.interrupted
+        segment = len(self.segments) - 1
+        for k, phase in enumerate(phases):
+            if phase.recording:
+                over = k + 1 < len(phases) and phases[k + 1].recording
+                result = phase.result(segment, phases[k + 1].first * self.period if over else end)
+                if failure and phase.outcome is None:
+                    result = replace(result, outcome="failed", reason=failure)
+                self.results.append(result)
+        begun = [phase for phase in phases if phase.recording]
+        going_on = not begun or begun[-1].outcome == "complete"
+        if (failure or trajectory.interrupted) and going_on and len(begun) < len(plans):
+            self.results.append(_nothing(plans[len(begun)], segment, end, failure))
         if failure or trajectory.interrupted:
             return False
         self.state = robot.state(trajectory.q[-1], trajectory.v[-1])
@@ -253,7 +238,7 @@ class _Running:
         chaser, target = self.state, free.state(self.cycle)
         held = grasp(chaser, chaser.robot.point(plan.hand), target, target.robot.point(plan.fixture))
         last = self.results[-1]
-        self.results[-1] = replace(last, grasp=held)
+        self.results[-1] = replace(last, grasp=Contact.of(held))
         if held.position_error > plan.position or held.angle_error > plan.angle:
             off = f"{held.position_error * 1e3:.4g} mm and {math.degrees(held.angle_error):.4g} deg"
             reason = (
@@ -271,7 +256,7 @@ class _Running:
 def _nothing(plan: PhasePlan, segment: int, time: float, failure: str) -> PhaseResult:
     """Return the result of a phase without a cycle."""
     outcome: Outcome = "failed" if failure else "interrupted"
-    return PhaseResult(plan.name, segment, time, time, outcome, failure, np.zeros(0), {}, {}, {}, {}, math.nan)
+    return PhaseResult(plan.name, segment, time, time, outcome, failure, np.zeros(0), {}, {}, {}, {}, np.zeros(0))
 
 
 class _Conductor:

@@ -71,6 +71,34 @@ class Conserved:
         return f"{self.name:<17} {self.error:9.2e}  limit {self.limit:.0e}  of {scale}  {verdict}"
 
 
+@dataclass(frozen=True, eq=False)
+class Balance:
+    """How far one quantity of the certificate is off at every record.
+
+    Attributes
+    ----------
+    name : str
+    error : (N,)
+        Over `scale`.
+    limit : float
+        What passes.
+    scale : float
+        In `unit`.
+    unit : str
+    """
+
+    name: str
+    error: Floats
+    limit: float
+    scale: float
+    unit: str
+
+    def worst(self, time: Floats) -> Conserved:
+        """Return the largest error, of records at `time` (N,), s."""
+        k = int(np.argmax(self.error))
+        return Conserved(self.name, float(self.error[k]), self.limit, self.scale, self.unit, float(time[k]))
+
+
 @dataclass(frozen=True)
 class Certificate:
     """What a run conserved.
@@ -95,7 +123,12 @@ class Certificate:
 
 
 def certify(run: Trajectory) -> Certificate:
-    """Return the certificate of a run."""
+    """Return the certificate of a run: the worst of each balance."""
+    return Certificate(tuple(balance.worst(run.time) for balance in balances(run)))
+
+
+def balances(run: Trajectory) -> tuple[Balance, ...]:
+    """Return what the certificate is made of, record by record."""
     f, moment = run.impulse[:, :3], run.impulse[:, 3:]
     p, h = run.momentum[:, :3], run.momentum[:, 3:]
     linear = p - p[0] - f
@@ -117,11 +150,9 @@ def certify(run: Trajectory) -> Certificate:
     limits = SYMPLECTIC_LIMITS if run.integrator == "symplectic" else LIMITS
     units = ("kg m/s", "kg m²/s", "J", "")
     errors = (_lengths(linear), _lengths(angular), np.abs(energy), run.rotation_drift)
-    return Certificate(
-        tuple(
-            _worst(name, limit, error, float(scale), unit, run.time)
-            for (name, limit), error, scale, unit in zip(limits.items(), errors, scales, units, strict=True)
-        )
+    return tuple(
+        Balance(name, _over(error, float(scale)), limit, float(scale), unit)
+        for (name, limit), error, scale, unit in zip(limits.items(), errors, scales, units, strict=True)
     )
 
 
@@ -133,7 +164,7 @@ def _peak(vectors: Floats) -> float:
     return float(_lengths(vectors).max())
 
 
-def _worst(name: str, limit: float, errors: Floats, scale: float, unit: str, time: Floats) -> Conserved:
-    worst = int(np.argmax(errors))
-    error = float(errors[worst])
-    return Conserved(name, error / scale if error else 0.0, limit, scale, unit, float(time[worst]))
+def _over(errors: Floats, scale: float) -> Floats:
+    """Return errors over their scale; no error is none of a scale of zero either."""
+    with np.errstate(divide="ignore"):
+        return np.divide(errors, scale, out=np.zeros_like(errors), where=errors != 0.0)

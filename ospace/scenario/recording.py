@@ -1,0 +1,158 @@
+"""What is taken down of each control cycle of a phase, and what it comes to when the phase is over."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from ospace.control import Command, Controller, Task
+from ospace.kernels import tasks as kernel
+from ospace.kernels.tables import Floats
+from ospace.points import OperationalPoint
+from ospace.scenario.result import BASE, TaskErrors
+
+_AT_ONCE = 256
+"""Cycles whose Jacobians wait for their singular values: NumPy takes many at once in a fifth of the time, and the
+Jacobians of a long run would not fit into memory."""
+
+
+@dataclass(frozen=True)
+class _Cycle:
+    time: float
+    errors: Floats
+    poses: Floats
+    taken: float
+
+
+class Recording:
+    """Takes down the commands of a controller.
+
+    Attributes
+    ----------
+    statuses, active_limits, near_singularity : Counter
+        Cycles by status, by limit, by task.
+    """
+
+    def __init__(self, controller: Controller) -> None:
+        self.controller = controller
+        self.statuses: Counter[str] = Counter()
+        self.active_limits: Counter[str] = Counter()
+        self.near_singularity: Counter[str] = Counter()
+        self._rows = {task.name: task.rows(controller.robot) for task in controller.tasks}
+        self._about_points = [task for task in controller.tasks if task.kind <= kernel.LOOK_AT]
+        self._points = _points(self._about_points)
+        self._tracked = {name: point for name, point in self._points.items() if name != BASE}
+        self._data = controller.robot.model.createData()
+        self._cycles: list[_Cycle] = []
+        self._jacobians: list[Floats] = []
+        self._singular: dict[str, list[Floats]] = {task.name: [] for task in self._about_points}
+
+    def __len__(self) -> int:
+        return len(self._cycles)
+
+    def take(self, time: float, q: Floats, command: Command) -> None:
+        """Take down one cycle, at `time` (s) in the configuration `q`."""
+        if self._about_points:
+            self._jacobians.append(command.generalized_jacobian)
+        if len(self._jacobians) == _AT_ONCE:
+            self._reduce()
+        self.statuses[command.status] += 1
+        self.active_limits.update(command.active_limits)
+        self.near_singularity.update(command.near_singularity)
+        # one call that Ctrl-C cannot divide: a cycle counts when it is whole
+        errors = np.concatenate(tuple(command.errors.values()))
+        self._cycles.append(_Cycle(time, errors, self._poses(q), command.timing.total))
+
+    @property
+    def time(self) -> Floats:
+        """Of the cycles (N,), s."""
+        return np.array([cycle.time for cycle in self._cycles])
+
+    @property
+    def cycle_time(self) -> Floats:
+        """What each took (N,), s."""
+        return np.array([cycle.taken for cycle in self._cycles])
+
+    @property
+    def errors(self) -> dict[str, TaskErrors]:
+        """Of each task but those that damp, which have none."""
+        E, found, column = np.array([cycle.errors for cycle in self._cycles]), {}, 0
+        for task in self.controller.tasks:
+            rows = np.array(self._rows[task.name])
+            own = E[:, column : column + len(rows)]
+            column += len(rows)
+            if task.kind == kernel.DAMPING:
+                continue
+            linear = rows < 3 if task.kind != kernel.POSTURE else np.zeros(len(rows), dtype=bool)
+            norms = [
+                np.linalg.norm(own[:, part], axis=1) if part.any() else np.full(len(E), np.nan)
+                for part in (linear, ~linear)
+            ]
+            units = ("N s", "N m s") if task.kind == kernel.MOMENTUM else ("m", "rad")
+            points = tuple(name for name, known in self._points.items() if any(_same(known, p) for p in task.points))
+            found[task.name] = TaskErrors(np.array(norms).T, units, points)
+        return found
+
+    @property
+    def sigma_min(self) -> dict[str, Floats]:
+        """σ_min of J_m* of each task about points (N,)."""
+        self._reduce()
+        none = np.zeros(0)
+        return {name: np.concatenate([none, *parts])[: len(self)] for name, parts in self._singular.items()}
+
+    @property
+    def poses(self) -> dict[str, Floats]:
+        """Pose of each of the tasks' points but the base: place and quaternion x, y, z, w, inertial axes (N, 7)."""
+        X = np.array([cycle.poses for cycle in self._cycles])
+        return {name: X[:, k] for k, name in enumerate(self._tracked)}
+
+    def _reduce(self) -> None:
+        """Take the singular values of the Jacobians that wait for it."""
+        if not self._jacobians:
+            return
+        J, first = np.array(self._jacobians), 0
+        for task in self._about_points:
+            rows = len(self._rows[task.name])
+            smallest = np.zeros(len(J))
+            if rows <= J.shape[2]:  # else the joints cannot move it in all its rows
+                smallest[:] = np.linalg.svd(J[:, first : first + rows], compute_uv=False)[:, -1]
+            self._singular[task.name].append(smallest)
+            first += rows
+        self._jacobians.clear()
+
+    def _poses(self, q: Floats) -> Floats:
+        """Return the poses at the configuration `q` (k, 7), by Pinocchio's forward kinematics."""
+        found = np.empty((len(self._tracked), 7))
+        if self._tracked:
+            pin.forwardKinematics(self.controller.robot.model, self._data, q)
+            for k, point in enumerate(self._tracked.values()):
+                found[k] = pin.SE3ToXYZQUAT(self._data.oMi[point.joint] * point.placement)
+        return found
+
+
+def _points(tasks: Sequence[Task]) -> dict[str, OperationalPoint]:
+    """Return the points of tasks, each once, by names of their own."""
+    found: dict[str, OperationalPoint] = {}
+    for task in tasks:
+        for point in task.points:
+            if not any(_same(point, known) for known in found.values()):
+                found[_name(point, task, found)] = point
+    return found
+
+
+def _name(point: OperationalPoint, task: Task, taken: Mapping[str, OperationalPoint]) -> str:
+    """Return the frame's name, and the task's where another offset from the frame has it."""
+    if point.joint == 1 and point.placement.isIdentity(0.0):
+        return BASE
+    name = point.frame
+    while name in taken or name == BASE:
+        name = f"{name} ({task.name})"
+    return name
+
+
+def _same(a: OperationalPoint, b: OperationalPoint) -> bool:
+    return bool(a.joint == b.joint and a.placement == b.placement)
