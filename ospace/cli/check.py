@@ -93,18 +93,14 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
 
 def _check(given: argparse.Namespace) -> tuple[int, str]:
     from ospace.cli import progress
-    from ospace.cli.main import EXIT_FINDINGS, find
-    from ospace.exceptions import OspaceError, UnsoundModelError
+    from ospace.cli.main import EXIT_FINDINGS, find, package_dirs
+    from ospace.exceptions import UnsoundModelError
     from ospace.robot import SpaceRobot
     from ospace.validation import report
 
-    for folder in given.package_dir:
-        if not Path(folder).is_dir():
-            raise OspaceError(f"--package-dir {folder}: no such folder")
+    folders = package_dirs(given)
     try:
-        robot = SpaceRobot.from_urdf(
-            find(given.urdf), given.package_dir, free_mimic=given.free_mimic, limits=_limits(given)
-        )
+        robot = SpaceRobot.from_urdf(find(given.urdf), folders, free_mimic=given.free_mimic, limits=_limits(given))
     except UnsoundModelError as error:
         result = report.Report(None, error.findings, seed=given.seed)
     else:

@@ -16,7 +16,7 @@ from pathlib import Path
 import ospace
 
 EXIT_FINDINGS, EXIT_USAGE, EXIT_INTERRUPTED = 1, 2, 130
-_VERBS = ("check", "run", "plot", "bench")
+_VERBS = ("check", "view", "run", "plot", "bench")
 # The matrices here are small: threads of the linear algebra would wait for each other longer than they work.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -47,10 +47,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal that lacks a letter shows another
     try:
-        with _interrupts() as refuse_if_interrupted, warnings.catch_warnings():
+        with _interrupts() as (refuse_if_interrupted, forgive), warnings.catch_warnings():
             warnings.showwarning = lambda message, *where, **more: print(f"ospace: {message}", file=sys.stderr)
             given = parser().parse_args(arguments)
-            given.refuse_if_interrupted = refuse_if_interrupted
+            given.refuse_if_interrupted, given.forgive_interrupt = refuse_if_interrupted, forgive
             status, text = given.run(given)
             refuse_if_interrupted()
         return _printed(text, int(status))
@@ -74,6 +74,16 @@ def find(urdf: str) -> Path:
     return models.path(urdf)
 
 
+def package_dirs(given: argparse.Namespace) -> list[str]:
+    """Return the folders given with --package-dir; raises `OspaceError` where one is not there."""
+    from ospace.exceptions import OspaceError
+
+    for folder in given.package_dir:
+        if not Path(folder).is_dir():
+            raise OspaceError(f"--package-dir {folder}: no such folder")
+    return list(given.package_dir)
+
+
 def _printed(text: str, status: int) -> int:
     """Print; return `status`, or another where the text cannot be written."""
     if sys.stdout is None:  # closed by the caller: print would drop the text
@@ -90,8 +100,11 @@ def _printed(text: str, status: int) -> int:
 
 
 @contextmanager
-def _interrupts() -> Iterator[Callable[[], None]]:
-    """Remember Ctrl-C: imports and finalizers swallow the exception, and the latter print it; yield what raises it."""
+def _interrupts() -> Iterator[tuple[Callable[[], None], Callable[[], None]]]:
+    """Remember Ctrl-C: imports and finalizers swallow the exception, and the latter print it.
+
+    Yields what raises it again, and what forgets it, for a verb that is meant to end so.
+    """
     seen: list[int] = []
 
     def remember(number: int, frame: object) -> None:
@@ -109,11 +122,11 @@ def _interrupts() -> Iterator[Callable[[], None]]:
     try:
         before = signal.signal(signal.SIGINT, remember)
     except ValueError:  # not the main thread, which alone is interrupted
-        yield refuse
+        yield refuse, seen.clear
         return
     sys.unraisablehook, told = tell, sys.unraisablehook
     try:
-        yield refuse
+        yield refuse, seen.clear
     finally:
         sys.unraisablehook = told
         signal.signal(signal.SIGINT, before)

@@ -13,11 +13,18 @@ FIGURES = (".svg", ".png", ".pdf")
 
 def figure(text: str) -> Path:
     """Return the path of a figure, for argparse."""
-    path = Path(text)
-    if path.suffix not in FIGURES:
+    if Path(text).suffix not in FIGURES:
         raise argparse.ArgumentTypeError(f"'{text}' ends neither in {' nor '.join(FIGURES)}")
+    return file(text)
+
+
+def file(text: str) -> Path:
+    """Return the path of a file in a folder that is there, for argparse."""
+    path = Path(text)
     if not path.parent.is_dir():
         raise argparse.ArgumentTypeError(f"'{text}': no such folder '{path.parent}'")
+    if path.is_dir():
+        raise argparse.ArgumentTypeError(f"'{text}' is a folder")
     return path
 
 

@@ -6,20 +6,22 @@ import argparse
 import math
 import os
 import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ospace.cli import paper
+from ospace.cli import output, paper
 from ospace.cli.paper import plain
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from ospace.scenario import PhaseResult, Run, Scenario
+    from ospace.scenario import Run, Scenario
+    from ospace.visual.live import Live
 
 _WIDTH = 120
 _COLOURS = {"complete": "green", "interrupted": "yellow"}
-_MOST_LIMITS = 6
 _TICK = 0.05
 """Simulated time from one move of the progress bar to the next, s."""
 
@@ -37,6 +39,8 @@ def add_to(verbs: Any) -> None:
     verb.add_argument("--check", action="store_true", help="validate the scenario only")
     verb.add_argument("--log", metavar="FILE", type=_log, help="write everything to a file: .npz")
     verb.add_argument("--csv", metavar="DIR", type=Path, help="write everything to a folder of CSV files")
+    verb.add_argument("--html", metavar="FILE", type=output.file, help="write a report with the animation: one file")
+    verb.add_argument("--view", action="store_true", help="play it in a browser as it runs; Ctrl-C ends the view")
     verb.add_argument("--headless", action="store_true", help="no progress bar")
     verb.set_defaults(run=run)
 
@@ -61,34 +65,69 @@ def find(scenario: str) -> Path:
 
 def run(given: argparse.Namespace) -> tuple[int, str]:
     """Run; return the exit status and the text to print."""
-    from ospace.cli import progress
     from ospace.cli.main import EXIT_FINDINGS, EXIT_INTERRUPTED
-    from ospace.scenario import load, log
-    from ospace.scenario import run as run_scenario
+    from ospace.extras import require
+    from ospace.scenario import load
 
+    if given.html or given.view:
+        require("meshcat", "a scene")
+    if given.html:
+        require("matplotlib", "a report")
     scenario = load(find(given.scenario))
     if given.check:
         return 0, _valid(scenario, given.scenario)
-    if given.log:
-        given.log.open("ab").close()  # whether it can be written, before anything is run
-    if given.csv:
-        given.csv.mkdir(parents=True, exist_ok=True)
-    total = math.ceil(sum(phase.timeout for phase in scenario.phases) * 10.0)
+    with ExitStack() as open_files:
+        for file in filter(None, (given.log, given.html)):
+            open_files.enter_context(output.writable(file))
+        if given.csv:
+            given.csv.mkdir(parents=True, exist_ok=True)
+        with _live(given, scenario) if given.view else nullcontext() as live:
+            result = _run(given, scenario, live.watch if live else None)
+            _write(given, result)
+            text = _text(result, given.scenario)
+            if result.interrupted or live:
+                sys.stdout.write(text)
+                sys.stdout.flush()
+                text = ""
+            if result.interrupted:
+                return EXIT_INTERRUPTED, ""
+            if live:
+                live.replay(result)
+    return 0 if result.passed else EXIT_FINDINGS, text
+
+
+def _run(given: argparse.Namespace, scenario: Scenario, watch: Any) -> Run:
+    from ospace.cli import progress
+    from ospace.scenario import run as run_scenario
+
     if given.headless:
-        result = run_scenario(scenario, _seldom(lambda tenths: given.refuse_if_interrupted()))
-    else:
-        with progress.bar(given, "simulating, tenths of a second", total) as advance:
-            result = run_scenario(scenario, _seldom(advance))
+        return run_scenario(scenario, _seldom(lambda tenths: given.refuse_if_interrupted()), watch)
+    total = math.ceil(sum(phase.timeout for phase in scenario.phases) * 10.0)
+    with progress.bar(given, "simulating, tenths of a second", total) as advance:
+        return run_scenario(scenario, _seldom(advance), watch)
+
+
+def _write(given: argparse.Namespace, result: Run) -> None:
+    from ospace.scenario import log
+
     if given.log:
         log.save(result, given.log)
     if given.csv:
         log.to_csv(result, given.csv)
-    text = _text(result, given.scenario)
-    if result.interrupted:
-        sys.stdout.write(text)
-        sys.stdout.flush()
-        return EXIT_INTERRUPTED, ""
-    return 0 if result.passed else EXIT_FINDINGS, text
+    if given.html:
+        from ospace.visual import run_report
+
+        run_report.save(result, given.html)
+
+
+@contextmanager
+def _live(given: argparse.Namespace, scenario: Scenario) -> Iterator[Live]:
+    """Serve the scenario's scene while it runs."""
+    from ospace.visual.live import Live
+
+    with Live(scenario) as live:
+        print(f"{given.scenario} at {live.address} (Ctrl-C ends)", flush=True)
+        yield live
 
 
 def _seldom(advance: Any) -> Any:
@@ -120,6 +159,8 @@ def _text(result: Run, name: str) -> str:
 
 
 def _show(console: Console, result: Run, name: str) -> None:
+    from ospace.scenario import words
+
     scenario = result.scenario
     control = scenario.control
     console.print(f"[bold]{plain(scenario.name)}[/]")
@@ -130,7 +171,10 @@ def _show(console: Console, result: Run, name: str) -> None:
     console.print(f"{result.duration:g} s simulated in {result.seconds:.1f} s\n")
     console.print(_phases(result))
     for phase in result.phases:
-        _show_more(console, phase)
+        if phase.reason:
+            console.print(f"{plain(phase.name)}: [bold red]{plain(phase.reason)}[/]")
+        for line in words.remarks(phase):
+            console.print(plain(line))
     if result.not_begun:
         console.print(f"not begun: {plain(', '.join(result.not_begun))}")
     past = result.exceeded
@@ -139,16 +183,14 @@ def _show(console: Console, result: Run, name: str) -> None:
     console.print("\n[bold]Certificate[/]")
     for line in str(result.certificate).splitlines():
         console.print(plain(line))
-    verdict = "passed" if result.passed else "interrupted" if result.interrupted else "failed"
     colour = "bold green" if result.passed else "bold red"
-    done = sum(phase.outcome == "complete" for phase in result.phases)
-    kept = "passed" if result.certificate.passed else "FAILED"
-    phases = f"{done} of {len(scenario.phases)} phases complete"
-    console.print(f"\n[{colour}]{verdict}[/]: {plain(name)}: {phases}, certificate {kept}")
+    console.print(f"\n[{colour}]{words.verdict(result)}[/]: {plain(name)}: {words.summary(result)}")
 
 
 def _phases(result: Run) -> Any:
     from rich.table import Table
+
+    from ospace.scenario import words
 
     table = Table(box=None, pad_edge=False, header_style="bold")
     for heading in ("phase", "from s", "to s", "outcome", "task", "worst error", "at the end", "cycles"):
@@ -156,55 +198,16 @@ def _phases(result: Run) -> Any:
         table.add_column(heading, justify="right" if right else "left", no_wrap=heading != "phase")
     for phase in result.phases:
         colour = _COLOURS.get(phase.outcome, "bold red")
-        cycles = ", ".join(f"{count} {status}" for status, count in phase.statuses.items()) or "none"
         first = (
             plain(phase.name),
             f"{phase.start:.3f}",
             f"{phase.end:.3f}",
             f"[{colour}]{phase.outcome}[/]",
         )
-        rows = [(task, _errors(e.worst, e.units), _errors(e.last, e.units)) for task, e in phase.errors.items()]
-        for k, (task, most, last) in enumerate(rows or [("-", "-", "-")]):
+        for k, (task, most, last) in enumerate(words.tasks(phase)):
             begin = first if k == 0 else ("",) * 4
-            table.add_row(*begin, plain(task), most, last, cycles if k == 0 else "")
+            table.add_row(*begin, plain(task), most, last, words.cycles(phase) if k == 0 else "")
     return table
-
-
-def _errors(norms: Any, units: tuple[str, str]) -> str:
-    """Return both norms, in mm and deg where they are lengths and angles."""
-    shown = []
-    for norm, unit in zip(norms, units, strict=True):
-        if math.isnan(norm):
-            continue
-        factor, name = {"m": (1e3, "mm"), "rad": (180.0 / math.pi, "deg")}.get(unit, (1.0, unit))
-        shown.append(f"{norm * factor:.2g} {name}")
-    return ", ".join(shown) or "-"
-
-
-def _show_more(console: Console, phase: PhaseResult) -> None:
-    """Print what is worth a line of its own: why a phase did not complete, limits, grasps."""
-    name = plain(phase.name)
-    if phase.reason:
-        console.print(f"{name}: [bold red]{plain(phase.reason)}[/]")
-    if phase.active_limits:
-        most = sorted(phase.active_limits.items(), key=lambda item: -item[1])
-        shown = ", ".join(f"{limit} ({count} cycles)" for limit, count in most[:_MOST_LIMITS])
-        more = f", and {len(most) - _MOST_LIMITS} more" if len(most) > _MOST_LIMITS else ""
-        console.print(f"{name}: active limits: {plain(shown)}{more}")
-    if phase.near_singularity:
-        tasks = ", ".join(f"{task} ({count} cycles)" for task, count in phase.near_singularity.items())
-        console.print(f"{name}: near a dynamic singularity: {plain(tasks)}")
-    if phase.grasp is not None:
-        held = phase.grasp
-        console.print(
-            f"{name}: grasp at {phase.end:.3f} s, off by {held.position_error * 1e3:.2g} mm and "
-            f"{math.degrees(held.angle_error):.2g} deg; impulse {_length(held.impulse[:3]):.2g} N s, "
-            f"{_length(held.impulse[3:]):.2g} N m s; {held.energy_lost:.2g} J lost"
-        )
-
-
-def _length(vector: Any) -> float:
-    return math.hypot(*vector)
 
 
 def _base(scenario: Scenario) -> str:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 import sys
 import time as clock
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from ospace.cli import output
 
 if TYPE_CHECKING:
     from ospace.kernels.tables import Floats
@@ -47,9 +48,9 @@ def add_to(verbs: Any) -> None:
         "--sweep", action="store_true", help="move every joint through its range; the base reacts, its momentum zero"
     )
     verb.add_argument("--background", choices=("space", "paper"), default="space", help="default: %(default)s")
-    verb.add_argument("--html", metavar="FILE", type=_file, help="write one file that any browser opens")
+    verb.add_argument("--html", metavar="FILE", type=output.file, help="write one file that any browser opens")
     verb.add_argument(
-        "--screenshot", metavar="PNG", type=_file, help="write a picture, by a Chromium that is installed"
+        "--screenshot", metavar="PNG", type=output.file, help="write a picture, by a Chromium that is installed"
     )
     verb.add_argument(
         "--host", metavar="ADDRESS", default="127.0.0.1", help="address to serve at (default: %(default)s)"
@@ -62,13 +63,6 @@ def add_to(verbs: Any) -> None:
     )
     verb.add_argument("--free-mimic", action="store_true", help="take joints that mimic others as independent ones")
     verb.set_defaults(run=run, refuse_usage=verb.error)
-
-
-def _file(text: str) -> Path:
-    path = Path(text)
-    if not path.parent.is_dir():
-        raise argparse.ArgumentTypeError(f"'{text}': no such folder '{path.parent}'")
-    return path
 
 
 def _port(text: str) -> int:

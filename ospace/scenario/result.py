@@ -130,6 +130,8 @@ class Segment:
         While it moves by itself.
     target_q, target_v : (M, nq), (M, nv)
         Its motion at `target_time`.
+    held : Grasp, optional
+        By which `robot` is chaser and target combined.
     """
 
     robot: SpaceRobot
@@ -138,6 +140,7 @@ class Segment:
     target_time: Floats
     target_q: Floats
     target_v: Floats
+    held: Grasp | None = None
 
 
 class Verdict:

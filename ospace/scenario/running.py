@@ -29,7 +29,15 @@ _GRASP_LIMIT = 1e-9
 """Of momentum and energy in a grasp, relative to their scales."""
 
 
-def run(scenario: Scenario, progress: Callable[[float], None] | None = None) -> Run:
+Moment = Callable[[], tuple[State, State | None]]
+"""Returns the states of robot and target, each by itself, also where it holds the target."""
+
+
+def run(
+    scenario: Scenario,
+    progress: Callable[[float], None] | None = None,
+    watch: Callable[[float, Moment], None] | None = None,
+) -> Run:
     """Run a scenario.
 
     Parameters
@@ -37,13 +45,15 @@ def run(scenario: Scenario, progress: Callable[[float], None] | None = None) -> 
     scenario : Scenario
     progress : function, optional
         Called with the simulated time after each step, s; Ctrl-C may be raised in it.
+    watch : function, optional
+        Called with the simulated time before each control cycle, s, and with what returns the states then; likewise.
 
     Returns
     -------
     Run
         Also where a phase timed out, the simulation failed, or Ctrl-C ended it: its `phases` tell.
     """
-    return _Running(scenario, progress or (lambda time: None)).run()
+    return _Running(scenario, progress or (lambda time: None), watch).run()
 
 
 class _Phase:
@@ -119,8 +129,13 @@ def earliest(plan: PhasePlan) -> float:
 
 
 class _Running:
-    def __init__(self, scenario: Scenario, progress: Callable[[float], None]) -> None:
-        self.scenario, self.progress = scenario, progress
+    def __init__(
+        self,
+        scenario: Scenario,
+        progress: Callable[[float], None],
+        watch: Callable[[float, Moment], None] | None,
+    ) -> None:
+        self.scenario, self.progress, self.watch = scenario, progress, watch
         self.period, self.step = scenario.control.period, scenario.control.step
         self.ticks = round(self.period / self.step)
         self.state = scenario.start
@@ -159,6 +174,12 @@ class _Running:
             clock.perf_counter() - began,
             self.interrupted,
         )
+
+    def states(self, cycle: int, q: Floats, v: Floats) -> tuple[State, State | None]:
+        """Return the states of robot and target by themselves at a cycle, of which (q, v) is the controlled robot's."""
+        if self.held is not None:
+            return self.held.release(q, v)
+        return self.state.robot.state(q, v), None if self.target is None else self.target.state(cycle)
 
     def _free(self, state: State) -> FreeMotion:
         control = self.scenario.control
@@ -215,7 +236,7 @@ class _Running:
     def _recorded(self, robot: SpaceRobot, trajectory: Trajectory, first: int) -> Segment:
         target = self.target
         if target is None:
-            return Segment(robot, trajectory, None, np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)))
+            return Segment(robot, trajectory, None, np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), self.held)
         q, v = target.states(first, self.cycle + 1)
         times = np.arange(first, self.cycle + 1, dtype=np.float64) * self.period
         return Segment(robot, trajectory, target.robot, times, q, v)
@@ -276,6 +297,8 @@ class _Conductor:
             phase = _Phase(self._plans[len(self.phases)], running.scenario, start, running.shared)
             phase.controller.wheel_momentum = self._wheels
             self.phases.append(phase)
+        if self._running.watch is not None:
+            self._running.watch(time, lambda: self._running.states(self._cycle, q, v))
         phase = self.phases[-1]
         command = phase.update(self._cycle, time, q, v)
         self._wheels = phase.controller.wheel_momentum

@@ -6,14 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ospace.kernels.tables import Floats
 from ospace.robot import SpaceRobot
-from ospace.scenario import log, series
-from ospace.scenario.result import PhaseResult, Run
+from ospace.scenario import Run, Scenario, log, series, words
 from ospace.visual import page, plots
 from ospace.visual.scene import Scene
 
@@ -45,7 +43,8 @@ def render(run: Run) -> str:
         Matplotlib or meshcat is not installed; the run has not moved.
     """
     kept = log.of(run)
-    scene = scene_of(run)
+    scene = scene_of(run.scenario)
+    animate(scene, run)
     content = scene.content()
     curves = series.of(kept)
     dark = content.background == "space"
@@ -62,31 +61,30 @@ def render(run: Run) -> str:
         template="run.html",
         report_style=page.own_text("report.css"),
         report_script=page.own_text("report.js"),
-        passed=run.passed,
-        verdict="passed" if run.passed else "interrupted" if run.interrupted else "failed",
-        summary=_summary(run),
-        phases=[_phase(phase) for phase in run.phases],
-        remarks=[*_remarks(run)],
-        certificate=run.certificate.quantities,
+        words=words,
+        run=run,
+        remarks=list(_remarks(run)),
         panels=[plots.svg(one, run.phases, dark=dark) for one in curves.values()],
-        scenario_name=kept.name,
-        scenario=kept.scenario,
-        versions=kept.versions,
+        log=kept,
     )
 
 
-def scene_of(run: Run) -> Scene:
-    """Return the animated scene of a run: the robot, and the target if there is one, before and after a grasp."""
-    robot, target = run.scenario.robot, run.scenario.target
-    names = dict.fromkeys(name for phase in run.phases for errors in phase.errors.values() for name in errors.points)
-    points = [robot.point(name) for name in names if name in robot.frame_names]
-    scene = Scene(robot, points or None)
-    motions = [motion_of(run, robot)]
+def scene_of(scenario: Scenario) -> Scene:
+    """Return the scene of a scenario at its start: the robot with the points of its tasks, and the target."""
+    robot, target = scenario.robot, scenario.target
+    tasks = [task for phase in scenario.phases for task in phase.tasks]
+    offsets = {task.point: task.offset for task in tasks if task.point in robot.frame_names}
+    scene = Scene(robot, [robot.point(str(name), offset=offset) for name, offset in offsets.items()] or None)
     if target is not None:
         scene.add(target.robot)
-        motions.append(motion_of(run, target.robot))
-    scene.animate(*motions)
+    scene.display(scenario.start.q, scenario.start.v, [] if target is None else [target.q])
     return scene
+
+
+def animate(scene: Scene, run: Run) -> None:
+    """Show a run in the scene of its scenario."""
+    robot, target = run.scenario.robot, run.scenario.target
+    scene.animate(*(motion_of(run, one) for one in ([robot] if target is None else [robot, target.robot])))
 
 
 def motion_of(run: Run, robot: SpaceRobot) -> WholeMotion:
@@ -118,30 +116,11 @@ def motion_of(run: Run, robot: SpaceRobot) -> WholeMotion:
 # -- what stands beside it ---------------------------------------------------------------------------------------
 
 
-def _summary(run: Run) -> str:
-    done = sum(phase.outcome == "complete" for phase in run.phases)
-    kept = "passed" if run.certificate.passed else "failed"
-    return f"{done} of {len(run.phases) + len(run.not_begun)} phases complete, certificate {kept}"
-
-
-def _phase(phase: PhaseResult) -> dict[str, Any]:
-    tasks = [
-        {"name": name, "worst": errors.in_words(errors.worst), "last": errors.in_words(errors.last)}
-        for name, errors in phase.errors.items()
-    ]
-    return {
-        "name": phase.name,
-        "start": phase.start,
-        "end": phase.end,
-        "outcome": phase.outcome,
-        "tasks": tasks or [{"name": "-", "worst": "-", "last": "-"}],
-        "cycles": ", ".join(f"{count} {status}" for status, count in phase.statuses.items()) or "none",
-    }
-
-
 def _remarks(run: Run) -> Iterator[str]:
     for phase in run.phases:
-        yield from (f"{phase.name}: {line}" for line in phase.remarks())
+        if phase.reason:
+            yield f"{phase.name}: {phase.reason}"
+        yield from words.remarks(phase)
     if run.not_begun:
         yield f"not begun: {', '.join(run.not_begun)}"
     exceeded = ", ".join(f"{limit} by {excess:.2g}" for limit, excess in run.exceeded.items())

@@ -176,7 +176,7 @@ class Scene:
 
     # -- how it moves ----------------------------------------------------------------------------------------
 
-    def display(self, q: npt.ArrayLike, v: npt.ArrayLike | None = None) -> None:
+    def display(self, q: npt.ArrayLike, v: npt.ArrayLike | None = None, others: Sequence[npt.ArrayLike] = ()) -> None:
         """Show the robot in a configuration.
 
         Parameters
@@ -185,22 +185,31 @@ class Scene:
             As of `SpaceRobot.state`.
         v : (nv,), optional
             Velocity, for the arrows of momentum; zero without it.
+        others : sequence of (nq,)
+            Configurations of the robots that were added, in their order; without it they stay where they are.
 
         Raises
         ------
         OspaceError
-            q or v is no state of the robot.
+            q or v is no state of the robot, or there are more configurations than robots.
         """
         q, v = checked_state(self.robot, q, np.zeros(self.robot.nv) if v is None else v)
+        if len(others) >= len(self._players):
+            raise OspaceError(
+                f"{len(others)} configurations of others: there are {len(self._players) - 1} in the scene"
+            )
+        seen = [q]
+        for player, own in zip(self._players[1:], others, strict=False):
+            seen.append(checked_state(player.robot, own, np.zeros(player.robot.nv))[0])
         if not self._displayed:
             self.frame = MovingFrame(q[:3].copy(), np.zeros(3))
-        q[:3] -= self.frame.origin
-        player = self._players[0]
-        for path, pose in zip(player.figure.nodes, player.nodes(q), strict=True):
-            self.stage.set_transform(path, pin.XYZQUATToSE3(pose).homogeneous)
+        for player, own in zip(self._players, seen, strict=False):
+            own[:3] -= self.frame.origin
+            for path, pose in zip(player.figure.nodes, player.nodes(own), strict=True):
+                self.stage.set_transform(path, pin.XYZQUATToSE3(pose).homogeneous)
         self._place(self.robot.state(q, v))
         if not self._displayed:
-            self._surround([q])
+            self._surround(*([own] for own in seen))
         self._displayed = True
 
     def animate(self, *motions: Motion) -> None:
@@ -309,4 +318,4 @@ def _default_points(robot: SpaceRobot) -> list[OperationalPoint]:
 def _pose_and_scale(T: Floats) -> Floats:
     """Return position, quaternion and scale (10,) of a placement."""
     scale = np.linalg.norm(T[:3, :3], axis=0)
-    return np.r_[pin.SE3ToXYZQUAT(pin.SE3(T[:3, :3] / scale, T[:3, 3])), scale]
+    return np.concatenate([pin.SE3ToXYZQUAT(pin.SE3(T[:3, :3] / scale, T[:3, 3])), scale])

@@ -111,7 +111,7 @@ class _Socket(WebSocketHandler):
         self._viewers.add(self)
 
     def on_message(self, message: str | bytes) -> None:
-        """A page has nothing to say."""
+        """Ignore it: a page has nothing to say."""
 
     def on_close(self) -> None:
         self._viewers.discard(self)

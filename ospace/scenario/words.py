@@ -1,0 +1,67 @@
+"""What became of a phase, in words: the same for a terminal and for a page."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from ospace.kernels.tables import Floats
+from ospace.scenario.result import PhaseResult, Verdict
+
+_SHOWN = {"m": (1e3, "mm"), "rad": (180.0 / math.pi, "deg")}
+_MOST_LIMITS = 6
+
+
+def errors(norms: Floats, units: tuple[str, str]) -> str:
+    """Return both norms (2,), in mm and deg where they are lengths and angles."""
+    shown = []
+    for norm, unit in zip(norms, units, strict=True):
+        if math.isnan(norm):
+            continue
+        factor, name = _SHOWN.get(unit, (1.0, unit))
+        shown.append(f"{norm * factor:.2g} {name}")
+    return ", ".join(shown) or "-"
+
+
+def tasks(phase: PhaseResult) -> list[tuple[str, str, str]]:
+    """Return name, worst error and error at the end of each task; dashes where there is none."""
+    rows = [(name, errors(one.worst, one.units), errors(one.last, one.units)) for name, one in phase.errors.items()]
+    return rows or [("-", "-", "-")]
+
+
+def cycles(phase: PhaseResult) -> str:
+    """Return how many control cycles had which status."""
+    return ", ".join(f"{count} {status}" for status, count in phase.statuses.items()) or "none"
+
+
+def remarks(phase: PhaseResult) -> Iterator[str]:
+    """Yield what is worth a line of its own: limits, singularities, grasps."""
+    if phase.active_limits:
+        most = sorted(phase.active_limits.items(), key=lambda item: -item[1])
+        shown = ", ".join(f"{limit} ({count} cycles)" for limit, count in most[:_MOST_LIMITS])
+        more = f", and {len(most) - _MOST_LIMITS} more" if len(most) > _MOST_LIMITS else ""
+        yield f"{phase.name}: active limits: {shown}{more}"
+    if phase.near_singularity:
+        near = ", ".join(f"{task} ({count} cycles)" for task, count in phase.near_singularity.items())
+        yield f"{phase.name}: near a dynamic singularity: {near}"
+    if phase.grasp is not None:
+        held = phase.grasp
+        yield (
+            f"{phase.name}: grasp at {phase.end:.3f} s, off by {held.position_error * 1e3:.2g} mm and "
+            f"{math.degrees(held.angle_error):.2g} deg; impulse {np.linalg.norm(held.impulse[:3]):.2g} N s, "
+            f"{np.linalg.norm(held.impulse[3:]):.2g} N m s; {held.energy_lost:.2g} J lost"
+        )
+
+
+def verdict(run: Verdict) -> str:
+    """Return whether the run passed, in one word."""
+    return "passed" if run.passed else "interrupted" if run.interrupted else "failed"
+
+
+def summary(run: Verdict) -> str:
+    """Return how many phases are complete, and what the certificate says."""
+    done = sum(phase.outcome == "complete" for phase in run.phases)
+    kept = "passed" if run.certificate.passed else "FAILED"
+    return f"{done} of {len(run.phases) + len(run.not_begun)} phases complete, certificate {kept}"

@@ -1,0 +1,58 @@
+"""A scenario to watch while it runs, at its own pace; afterwards its animation, to go back and forth in."""
+
+from __future__ import annotations
+
+import time as clock
+from types import TracebackType
+from typing import Self
+
+from ospace.scenario import Run, Scenario
+from ospace.scenario.running import Moment
+from ospace.visual import run_report
+from ospace.visual.server import LOOPBACK, Server
+
+_FRAME = 1.0 / 30.0  # s from one picture to the next
+_LONGEST = 0.05  # s, at once: an interrupt is not kept waiting
+
+
+class Live:
+    """Serves the scene of a scenario; a context manager.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    host : str
+        As of `Server`.
+    """
+
+    def __init__(self, scenario: Scenario, host: str = LOOPBACK) -> None:
+        self._scene = run_report.scene_of(scenario)
+        self._server = Server(self._scene.content, host)
+        self._began: float | None = None
+        self._due = 0.0
+        self.address = self._server.address
+
+    def __enter__(self) -> Self:
+        self._server.__enter__()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._server.__exit__(kind, error, trace)
+
+    def watch(self, time: float, states: Moment) -> None:
+        """Show the states at `time`, s, when it has come on the clock; for `ospace.scenario.run`."""
+        if time < self._due:
+            return
+        self._due = time + _FRAME
+        if self._began is None:
+            self._began = clock.perf_counter() - time
+        while (early := time - (clock.perf_counter() - self._began)) > 0.0:
+            clock.sleep(min(early, _LONGEST))
+        robot, target = states()
+        self._scene.display(robot.q, robot.v, [] if target is None else [target.q])
+
+    def replay(self, run: Run) -> None:
+        """Give the page the whole run as an animation."""
+        run_report.animate(self._scene, run)
