@@ -40,6 +40,11 @@ class MovingFrame:
         """Whether it has a velocity."""
         return bool(self.velocity.any())
 
+    @property
+    def inverse(self) -> MovingFrame:
+        """The user's frame as seen from here: its `leave` brings the user's motions into this one."""
+        return MovingFrame(-self.origin, -self.velocity)
+
     def enter(self, q: Floats, v: Floats) -> tuple[Floats, Floats]:
         """Return (q, v) of the start as seen from here."""
         q, v = q.copy(), v.copy()

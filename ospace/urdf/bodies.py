@@ -89,6 +89,11 @@ def tensor_of(inertial: Inertial) -> Floats:
 
 def bodies_of(description: Description) -> list[Body]:
     """Merge the links of a description whose joints stand from the base outward; the base comes first."""
+    return link_places(description)[0]
+
+
+def link_places(description: Description) -> tuple[list[Body], dict[str, tuple[int, Floats, Floats]]]:
+    """Return the bodies, and for each link by name the number of its body, and rotation and translation in it."""
     root = description.link[description.root]
     bodies = [Body(root, None, -1)]
     at = {root.name: (0, np.eye(3), np.zeros(3))}
@@ -105,4 +110,4 @@ def bodies_of(description: Description) -> list[Body]:
         link = description.link[name]
         if link.inertial is not None:
             bodies[number].add(link, link.inertial, R, p)
-    return bodies
+    return bodies, at

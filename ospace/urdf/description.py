@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Literal
 
 Triple = tuple[float, float, float]
+Colour = tuple[float, float, float, float]
 ZERO: Triple = (0.0, 0.0, 0.0)
 
 
@@ -34,7 +35,8 @@ class Shape:
     """One <visual> or <collision>.
 
     `size` is that of URDF: (x, y, z) of a box, (radius, length) of a cylinder or capsule, (radius,) of a sphere; for a
-    mesh the three factors of its scale.
+    mesh the three factors of its scale. `colour` is red, green, blue and opacity from 0 to 1, None where the file has
+    none.
     """
 
     line: int | None
@@ -43,6 +45,7 @@ class Shape:
     kind: Literal["box", "cylinder", "capsule", "sphere", "mesh"]
     size: tuple[float, ...]
     filename: str = ""
+    colour: Colour | None = None
 
 
 @dataclass(frozen=True)

@@ -34,6 +34,7 @@ def locate(filename: str, urdf: Path, package_dirs: Sequence[Path]) -> Path:
     if not rest:
         raise MeshError("mesh-missing", "<mesh> has no filename")
     if scheme in ("package", "model"):
+        rest = rest.lstrip("/")  # a third slash is common, and leads nowhere else
         package, _, inside = rest.partition("/")
         choices = [folder / rest for folder in package_dirs]
         choices += [folder / inside for folder in package_dirs if folder.name == package]

@@ -7,13 +7,14 @@ import math
 import sys
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from typing import Literal, cast
 
 from lxml import etree
 
 from ospace.exceptions import closest
 from ospace.urdf.codes import Severity
-from ospace.urdf.description import Description, Inertial, Joint, Limit, Link, Mimic, Pose, Shape, Triple
+from ospace.urdf.description import Colour, Description, Inertial, Joint, Limit, Link, Mimic, Pose, Shape, Triple
 from ospace.urdf.findings import Finding, found
 from ospace.urdf.numbers import (
     LARGEST,
@@ -82,10 +83,10 @@ def parse(root: etree._Element, file_name: str) -> tuple[Description, list[Findi
     reader = _Reader()
     name = reader.name(root, file_name)
     reader.look_at(root, deep=False)
-    links = tuple(reader.link(element) for element in root.iterfind("link"))
-    joints = tuple(reader.joint(element) for element in root.iterfind("joint"))
     for element in root.iterfind("material"):
         reader.material(element)
+    links = tuple(reader.link(element) for element in root.iterfind("link"))
+    joints = tuple(reader.joint(element) for element in root.iterfind("joint"))
     return Description(name, links, joints), [*reader.findings, *reader.untold()]
 
 
@@ -96,6 +97,7 @@ class _Reader:
         self.findings: list[Finding] = []
         self.count: Counter[str] = Counter()
         self.errors = 0
+        self.colours: dict[str, Colour] = {}
         self.subject = "file"
         self.code = ""
 
@@ -136,13 +138,13 @@ class _Reader:
         self.code = "visual-unreadable"
         for element in link.iterchildren("visual", "collision"):
             before = self.count[self.code]
-            if (material := element.find("material")) is not None:
-                self._colour(material)
+            material = element.find("material")
+            colour = None if material is None else self._colour(material)
             shape = self._shape(element)
             if shape is not None and shape.kind != "mesh" and min(shape.size) < 0.0:
                 self._add(self.code, f"<{shape.kind}> has a negative size", element, " ".join(map(str, shape.size)))
             if shape is not None and self.count[self.code] == before:
-                yield shape
+                yield shape if colour is None else replace(shape, colour=colour)
 
     def _shape(self, element: etree._Element) -> Shape | None:
         role = cast(Literal["visual", "collision"], element.tag)
@@ -171,10 +173,19 @@ class _Reader:
         self.look_at(element)
         self._colour(element)
 
-    def _colour(self, material: etree._Element) -> None:
-        colour = material.find("color")
-        if colour is not None:
-            self._numbers(colour, "rgba", 4)
+    def _colour(self, material: etree._Element) -> Colour | None:
+        """Return the colour of a material: its own, or that of the first of its name that has one."""
+        name, colour = material.get("name", ""), material.find("color")
+        if colour is None:
+            return self.colours.get(name)
+        before = self.count[self.code]
+        red, green, blue, opacity = self._numbers(colour, "rgba", 4)
+        if self.count[self.code] > before:
+            return None
+        own = (red, green, blue, opacity)
+        if name:
+            self.colours.setdefault(name, own)
+        return own
 
     # -- joints ----------------------------------------------------------------------------------------------
 

@@ -1,0 +1,172 @@
+"""``ospace view URDF``: a robot and the quantities of the paper, in a browser or as one file."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time as clock
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ospace.kernels.tables import Floats
+    from ospace.robot import SpaceRobot
+    from ospace.simulation.reaction import FloatingMotion
+    from ospace.visual import Scene
+
+_FRAME = 1.0 / 30.0  # s from one picture of a sweep to the next
+_WAIT = 0.2  # s
+
+
+def add_to(verbs: Any) -> None:
+    """Describe the verb to argparse."""
+    verb = verbs.add_parser(
+        "view",
+        help="look at a robot in a browser",
+        description="Show a robot, its operational points and centre of mass, and as layers its inertias, the "
+        "operational-space inertia, the generalized manipulability and momentum. Serves a page to browsers on this "
+        "machine until Ctrl-C, unless --html or --screenshot writes a file. Exit status: 0 shown or written, 2 "
+        "unreadable input, unwritable output or wrong usage, 130 interrupted before it was shown.",
+    )
+    verb.add_argument("urdf", metavar="URDF", help="a file, or the name of a robot that comes with ospace")
+    verb.add_argument(
+        "--point",
+        metavar="FRAME",
+        action="append",
+        help="operational point; repeatable (default: the first 8 leaf links that move)",
+    )
+    verb.add_argument("--pose", metavar="JOINT=VALUE,...", default="", help="joint positions, rad or m; others are 0")
+    verb.add_argument(
+        "--layers",
+        metavar="NAME,...",
+        help="layers shown at first: robot, collision, inertia, points, mass-centre, operational-inertia, "
+        "manipulability, momentum (default: robot,points,mass-centre)",
+    )
+    verb.add_argument("--collision", action="store_true", help="show collision shapes instead of visuals")
+    verb.add_argument(
+        "--sweep", action="store_true", help="move every joint through its range; the base reacts, its momentum zero"
+    )
+    verb.add_argument("--background", choices=("space", "paper"), default="space", help="default: %(default)s")
+    verb.add_argument("--html", metavar="FILE", type=_file, help="write one file that any browser opens")
+    verb.add_argument(
+        "--screenshot", metavar="PNG", type=_file, help="write a picture, by a Chromium that is installed"
+    )
+    verb.add_argument(
+        "--host", metavar="ADDRESS", default="127.0.0.1", help="address to serve at (default: %(default)s)"
+    )
+    verb.add_argument(
+        "--port", metavar="N", type=_port, help="port to serve at (default: the first free one from 7000)"
+    )
+    verb.add_argument(
+        "--package-dir", metavar="DIR", action="append", default=[], help="where package:// names are looked up"
+    )
+    verb.add_argument("--free-mimic", action="store_true", help="take joints that mimic others as independent ones")
+    verb.set_defaults(run=run, refuse_usage=verb.error)
+
+
+def _file(text: str) -> Path:
+    path = Path(text)
+    if not path.parent.is_dir():
+        raise argparse.ArgumentTypeError(f"'{text}': no such folder '{path.parent}'")
+    return path
+
+
+def _port(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= 65535:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a port from 1 to 65535")
+    return int(text)
+
+
+def run(given: argparse.Namespace) -> tuple[int, str]:
+    """Show; return the exit status and the text to print."""
+    from ospace.cli.main import find, package_dirs
+    from ospace.extras import require
+    from ospace.robot import SpaceRobot
+
+    require("meshcat", "a scene")
+    robot = SpaceRobot.from_urdf(find(given.urdf), package_dirs(given), free_mimic=given.free_mimic)
+    q = robot.configuration(_pose(given.pose, robot))
+    motion = None
+    if given.sweep:
+        from ospace.simulation.reaction import sweep
+
+        motion = sweep(robot, q)
+    scene = _scene(given, robot)
+    scene.display(q)
+    for finding in scene.findings:
+        print(f"ospace: {finding}", file=sys.stderr)
+    if given.html or given.screenshot:
+        return 0, _write(given, scene, motion)
+    return _serve(given, scene, motion)
+
+
+def _scene(given: argparse.Namespace, robot: SpaceRobot) -> Scene:
+    from ospace.visual.scene import SHOWN, Scene
+
+    shown = [name.strip() for name in given.layers.split(",")] if given.layers is not None else list(SHOWN)
+    if given.collision:
+        shown = ["collision", *(name for name in shown if name != "robot")]
+    points = [robot.point(name) for name in given.point] if given.point else None
+    return Scene(robot, points, show=[name for name in shown if name], background=given.background)
+
+
+def _pose(text: str, robot: SpaceRobot) -> dict[str, float]:
+    """Read joint positions, as ``name=value,name=value``."""
+    from ospace.exceptions import OspaceError
+
+    positions = {}
+    for part in filter(None, (part.strip() for part in text.split(","))):
+        name, equals, value = (piece.strip() for piece in part.rpartition("="))
+        if not equals or not name:
+            raise OspaceError(
+                f"--pose '{part}': write joint=value, such as {robot.joint_names[0]}=0.5"
+                if robot.joint_names
+                else f"--pose '{part}': robot '{robot.name}' has no joint"
+            )
+        try:
+            positions[name] = float(value)
+        except ValueError:
+            raise OspaceError(f"--pose '{part}': '{value}' is not a number in rad or m") from None
+    return positions
+
+
+def _write(given: argparse.Namespace, scene: Scene, motion: FloatingMotion | None) -> str:
+    from ospace.visual import browser
+
+    written = []
+    if given.screenshot:
+        browser.find()  # before anything is written
+        browser.screenshot(scene.html(), given.screenshot)
+        written.append(f"wrote {given.screenshot}\n")
+    if given.html:
+        if motion is not None:
+            scene.animate(motion)
+        scene.save_html(given.html)
+        written.append(f"wrote {given.html}: {given.html.stat().st_size / 1e6:.1f} MB, opened by any browser\n")
+    return "".join(written)
+
+
+def _serve(given: argparse.Namespace, scene: Scene, motion: FloatingMotion | None) -> tuple[int, str]:
+    """Serve until Ctrl-C, which is how it ends well."""
+    from ospace.visual.server import Server
+
+    with Server(scene.content, given.host, given.port) as server:
+        print(f"{given.urdf} at {server.address} (Ctrl-C ends)", flush=True)
+        try:
+            while True:
+                if motion is not None and server.viewers:
+                    _play(scene, motion.q, motion.v, motion.time)
+                else:
+                    clock.sleep(_WAIT)
+        except KeyboardInterrupt:
+            given.forgive_interrupt()
+    return 0, ""
+
+
+def _play(scene: Scene, Q: Floats, V: Floats, time: Floats) -> None:
+    """Show a motion once, at its own pace."""
+    began, k = clock.perf_counter(), 0
+    while k < len(time):
+        scene.display(Q[k], V[k])
+        clock.sleep(_FRAME)
+        k = max(k + 1, int(time.searchsorted(clock.perf_counter() - began)))

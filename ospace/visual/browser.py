@@ -1,0 +1,83 @@
+"""Pictures of a page, by a Chromium of this machine without a window."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+from ospace.exceptions import OspaceError
+
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
+FLAGS = (
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--hide-scrollbars",
+)
+_TIME = 60.0  # s, for a picture
+_VIRTUAL = 8000  # ms of the page's own time, in which it draws
+
+
+def find() -> str:
+    """Return the path of a Chromium.
+
+    Raises
+    ------
+    OspaceError
+        There is none.
+    """
+    for name in NAMES:
+        found = shutil.which(name)
+        if found:
+            return found
+    raise OspaceError(
+        "a screenshot needs Chromium, which was not found: install it (Debian: apt install chromium), "
+        "or write the scene with --html and open it in any browser"
+    )
+
+
+def flags() -> list[str]:
+    """Return the options that Chromium draws with: by processor, without a window, nothing fetched."""
+    root = hasattr(os, "geteuid") and os.geteuid() == 0
+    return [*FLAGS, *(["--no-sandbox"] if root else [])]  # which Chromium refuses to root
+
+
+def screenshot(page: str, path: Path, size: tuple[int, int] = (1000, 700)) -> None:
+    """Draw a page, as HTML, into a PNG file.
+
+    Raises
+    ------
+    OspaceError
+        There is no Chromium, or it fails.
+    """
+    chromium = find()
+    with tempfile.TemporaryDirectory() as folder:
+        source, picture = Path(folder) / "page.html", Path(folder) / "page.png"
+        source.write_text(page, encoding="utf-8")
+        command = [
+            chromium,
+            "--headless",
+            *flags(),
+            f"--user-data-dir={folder}/profile",
+            f"--window-size={size[0]},{size[1]}",
+            f"--virtual-time-budget={_VIRTUAL}",
+            f"--screenshot={picture}",
+            source.as_uri(),
+        ]
+        try:
+            ended = subprocess.run(command, capture_output=True, timeout=_TIME, check=False)
+        except subprocess.TimeoutExpired:
+            raise OspaceError(f"{chromium} drew no picture within {_TIME:g} s") from None
+        if not picture.is_file():
+            said = ended.stderr.decode(errors="replace").strip().splitlines()
+            raise OspaceError(f"{chromium} drew no picture: {said[-1] if said else f'exit status {ended.returncode}'}")
+        shutil.copyfile(picture, path)

@@ -1,0 +1,192 @@
+"""A robot as a scene shows it: links on nodes that move with its joints, meshes, and inertias as ellipsoids."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+from meshcat import geometry as g
+
+from ospace.kernels.tables import Floats
+from ospace.robot import SpaceRobot
+from ospace.urdf.bodies import link_places, placement, tensor_of
+from ospace.urdf.description import Colour, Description, Inertial, Link, Shape
+from ospace.urdf.findings import Finding, found
+from ospace.urdf.meshes import MeshError, locate
+from ospace.visual.solids import Ball, Solid, box_corners, homogeneous, material, solids
+from ospace.visual.stage import Stage, component
+
+_COLLISION: Colour = (0.25, 0.9, 0.55, 0.35)
+_INERTIA: Colour = (1.0, 0.72, 0.2, 0.45)
+_WRONG: Colour = (1.0, 0.15, 0.15, 0.7)
+_IN_PLACE_OF_MESH: Colour = (0.62, 0.64, 0.68, 1.0)
+_MESHES = (".stl", ".obj", ".dae", ".ply", ".glb", ".gltf", ".off")
+_THIN = 1e-3  # of the largest semi-axis: how a tensor without extent is drawn
+_ROUNDED = 1e-4  # of the largest moment, as findings have it
+
+
+@dataclass
+class Figure:
+    """What stands on a stage for one robot.
+
+    Attributes
+    ----------
+    nodes : list of str
+        Path of the node that moves with each body: the base, and what each joint carries.
+    rest : list of (4, 4)
+        Their placements with all joints at zero and the base at the origin, m.
+    layers : dict of layer name to list of str
+        Paths that belong to it.
+    findings : list of Finding
+        On meshes that cannot be shown.
+    extents : list of (int, (8, 3))
+        Number of a node, and corners of a box that holds a part of what stands on it, m.
+    """
+
+    nodes: list[str] = field(default_factory=list)
+    rest: list[Floats] = field(default_factory=list)
+    layers: dict[str, list[str]] = field(default_factory=lambda: {"robot": [], "collision": [], "inertia": []})
+    findings: list[Finding] = field(default_factory=list)
+    extents: list[tuple[int, Floats]] = field(default_factory=list)
+
+    def corners(self, places: Sequence[Floats]) -> Floats:
+        """Return corners (N, 3) that all lies between, nodes placed at `places` (4, 4), m."""
+        extents = self.extents or [(0, box_corners(np.eye(4), np.ones(3)))]
+        return np.concatenate([box @ places[node][:3, :3].T + places[node][:3, 3] for node, box in extents])
+
+
+def of_robot(stage: Stage, root: str, robot: SpaceRobot, marked: Mapping[str, Colour]) -> Figure:
+    """Put a robot on the stage below `root`; links in `marked` in the colours given."""
+    model, description, builder = robot.model, robot.description, _Builder(stage, marked)
+    data = robot.scratch.data
+    pin.forwardKinematics(model, data, pin.neutral(model))
+    for j in range(1, model.njoints):
+        builder.node(f"{root}/joint {component(model.names[j])}" if j > 1 else f"{root}/base", data.oMi[j].homogeneous)
+    if description is None or robot.source is None:
+        for j in range(1, model.njoints):
+            builder.inertia(j - 1, model.names[j], model.inertias[j])
+            builder.box(j - 1, model.names[j], model.inertias[j])
+    else:
+        builder.folders = [robot.source, *robot.package_dirs]
+        for frame in model.frames:
+            if frame.type == pin.FrameType.BODY and frame.parentJoint > 0:
+                builder.link(description.link[frame.name], frame.parentJoint - 1, frame.placement)
+    return builder.figure
+
+
+def of_description(
+    stage: Stage,
+    root: str,
+    description: Description,
+    folders: Sequence[Path],
+    marked: Mapping[str, Colour],
+) -> Figure:
+    """Put on the stage what a file describes, sound or not; `folders` has the file and the folders of packages."""
+    builder = _Builder(stage, marked)
+    builder.folders = list(folders)
+    bodies, places = link_places(description)
+    for body in bodies:
+        above = builder.figure.rest[body.parent] if body.parent >= 0 else np.eye(4)
+        builder.node(f"{root}/body {component(body.link.name)}", above @ homogeneous(body.rotation, body.translation))
+    for name, (node, R, p) in places.items():
+        builder.link(description.link[name], node, pin.SE3(R, p))
+    return builder.figure
+
+
+class _Builder:
+    def __init__(self, stage: Stage, marked: Mapping[str, Colour]) -> None:
+        self.stage, self.marked = stage, marked
+        self.figure = Figure()
+        self.folders: list[Path] = []
+
+    def node(self, path: str, T: Floats) -> None:
+        """Add a node, at rest at `T` (4, 4), m."""
+        self.figure.nodes.append(path)
+        self.figure.rest.append(T)
+        self.stage.set_transform(path, T)
+
+    def link(self, link: Link, node: int, T: pin.SE3) -> None:
+        """Show a link at `T` in the node's frame."""
+        inertia = None if link.inertial is None else T.act(_inertia(link.inertial))
+        boxed = False
+        for k, shape in enumerate(link.shapes):
+            try:
+                parts = list(solids(shape, self._mesh(shape.filename) if shape.kind == "mesh" else None))
+            except (MeshError, ValueError) as error:
+                code = error.code if isinstance(error, MeshError) else "mesh-unreadable"
+                told = found(code, link.subject, str(error), line=shape.line, value=shape.filename)
+                self.figure.findings.append(told)
+                if shape.role == "visual" and inertia is not None and not boxed:
+                    self.box(node, link.name, inertia)
+                    boxed = True
+                continue
+            for i, part in enumerate(parts):
+                self._solid(node, link.name, shape, f"{k}.{i}" if len(parts) > 1 else f"{k}", part, T)
+        if inertia is not None:
+            self.inertia(node, link.name, inertia)
+
+    def _solid(self, node: int, link: str, shape: Shape, number: str, part: Solid, T: pin.SE3) -> None:
+        layer = "robot" if shape.role == "visual" else "collision"
+        path = self._path(node, layer, f"link {component(link)}/{shape.role} {number}")
+        colour = self.marked.get(link, part.colour) if layer == "robot" else _COLLISION
+        self.stage.set_object(path, part.geometry, material(colour))
+        place = T.homogeneous @ part.T
+        self.stage.set_transform(path, place)
+        self.figure.extents.append((node, box_corners(place, part.half)))
+
+    def _mesh(self, filename: str) -> Path:
+        """Find a mesh where the reader does, and in the package that the file itself lies in."""
+        source, *package_dirs = self.folders
+        package = filename.partition("://")[2].lstrip("/").partition("/")[0]
+        own = [folder for folder in source.resolve().parents if folder.name == package]
+        path = locate(filename, source, [*package_dirs, *own])
+        if path.suffix.lower() not in _MESHES:
+            raise MeshError("mesh-unreadable", f"'{filename}' is none of {', '.join(_MESHES)}")
+        return path
+
+    def inertia(self, node: int, name: str, inertia: pin.Inertia) -> None:
+        """Show the uniform ellipsoid of the same mass and moments; in red where there is none."""
+        squares, axes, gross = _semi_axes_squared(inertia)
+        if inertia.mass <= 0.0 or squares.max() <= 0.0:
+            return
+        lengths = np.sqrt(np.maximum(squares, _THIN**2 * squares.max()))
+        path = self._path(node, "inertia", component(f"link {name}"))
+        self.stage.set_object(path, Ball(1.0), material(_WRONG if gross else _INERTIA))
+        self.stage.set_transform(path, homogeneous(axes * lengths, inertia.lever))
+
+    def box(self, node: int, name: str, inertia: pin.Inertia) -> None:
+        """Show the uniform box of the same mass and moments, in place of what cannot be shown."""
+        squares, axes, _ = _semi_axes_squared(inertia)
+        if inertia.mass <= 0.0 or squares.max() <= 0.0:
+            return
+        sides = 2.0 * np.sqrt(0.6 * np.maximum(squares, _THIN**2 * squares.max()))
+        path = self._path(node, "robot", component(f"link {name}") + "/inertia box")
+        self.stage.set_object(path, g.Box(sides.tolist()), material(self.marked.get(name, _IN_PLACE_OF_MESH)))
+        self.stage.set_transform(path, homogeneous(axes, inertia.lever))
+        self.figure.extents.append((node, box_corners(homogeneous(axes, inertia.lever), 0.5 * sides)))
+
+    def _path(self, node: int, layer: str, name: str) -> str:
+        own = f"{self.figure.nodes[node]}/{layer}"
+        if own not in self.figure.layers[layer]:
+            self.figure.layers[layer].append(own)
+        return f"{own}/{name}"
+
+
+def _inertia(inertial: Inertial) -> pin.Inertia:
+    R, centre = placement(inertial.pose)
+    return pin.Inertia(inertial.mass, centre, R @ tensor_of(inertial) @ R.T)
+
+
+def _semi_axes_squared(inertia: pin.Inertia) -> tuple[Floats, Floats, bool]:
+    """Return squares (3,) of the semi-axes of the uniform ellipsoid, m²; its axes as columns; whether it is none.
+
+    With moments I_k = m/5 (a_i² + a_j²), a_k² = 5/2m (I_i + I_j − I_k), which is negative where no mass is spread so.
+    """
+    moments, axes = np.linalg.eigh(inertia.inertia)
+    if np.linalg.det(axes) < 0.0:
+        axes[:, 0] *= -1.0
+    squares = 2.5 / inertia.mass * (moments.sum() - 2.0 * moments) if inertia.mass > 0.0 else np.zeros(3)
+    return squares, axes, bool((moments.sum() - 2.0 * moments).min() < -_ROUNDED * moments.max())

@@ -1,0 +1,181 @@
+"""Quantities that a scene shows beside the robot, as nodes that are placed anew for each state.
+
+mass centre          a ball
+operational inertia  the ellipsoid f Γ_e⁻¹ f = 1 of each point's translational Γ_e: semi-axes along its eigenvectors,
+                     as long as the roots of its eigenvalues, which are effective masses
+manipulability       the ellipsoids J_m* φ̇ and J_m φ̇ with |φ̇| ≤ 1: what the point reaches in linear velocity on
+                     the floating base, and on one that is held; semi-axes are singular values
+momentum             linear and angular, of the whole, of the base, of all that hangs from it; arrows at their
+                     centres of mass, angular ones about that of the whole
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+from meshcat import geometry as g
+
+from ospace.dynamics.generalized_jacobian import generalized_jacobian
+from ospace.dynamics.joint_space import momentum
+from ospace.dynamics.operational_space import operational_space
+from ospace.exceptions import OspaceError
+from ospace.kernels.tables import Floats
+from ospace.points import OperationalPoint
+from ospace.state import State
+from ospace.urdf.description import Colour
+from ospace.visual.look import arrow
+from ospace.visual.solids import Ball, homogeneous, material
+from ospace.visual.stage import Stage, component
+
+_MASS: Colour = (0.95, 0.35, 0.75, 0.38)
+_FLOATING: Colour = (0.15, 0.85, 0.95, 0.45)
+_HELD: Colour = (0.85, 0.88, 0.92, 0.22)
+_CENTRE = 0xFFD23F
+_MOMENTA = {"linear": 0x3FA7FF, "angular": 0xFF6BD6}
+_PARTS = ("whole", "base", "arms")
+_THIN = 1e-3  # of the longest semi-axis, which a singular direction is drawn with
+_VANISHED = 1e-4  # m: what a scale of zero, which no page can invert, is drawn with
+_NOTHING = 1e-9  # of the scale of momentum: rounding, and no arrow
+
+Placed = Iterator[tuple[str, Floats]]
+
+
+class MassCentre:
+    """The centre of mass."""
+
+    name, title = "mass-centre", "centre of mass"
+
+    def __init__(self, stage: Stage, root: str, points: Sequence[OperationalPoint], reach: float) -> None:
+        self.paths = [f"{root}/mass centre"]
+        self.legend = ""
+        stage.set_object(self.paths[0] + "/ball", Ball(0.018 * reach), g.MeshPhongMaterial(color=_CENTRE))
+
+    def place(self, state: State) -> Placed:
+        """Yield paths and placements (4, 4) as seen from the base's origin, inertial axes, m."""
+        yield self.paths[0], homogeneous(np.eye(3), _mass_centre(state))
+
+
+class OperationalInertia:
+    """Translational Γ_e of each point by itself."""
+
+    name, title = "operational-inertia", "operational-space inertia Γₑ"
+
+    def __init__(self, stage: Stage, root: str, points: Sequence[OperationalPoint], reach: float) -> None:
+        self._points = _linear(points)
+        self.paths = [f"{root}/inertia {component(point.frame)} {k}" for k, point in enumerate(points)]
+        mass = points[0].robot.total_mass if points else 1.0
+        self._scale = 0.4 * reach / mass**0.5
+        self.legend = f"effective masses: semi-axes are {100.0 * self._scale:.2g} cm √(m/kg)"
+        for path in self.paths:
+            stage.set_object(f"{path}/ball", Ball(1.0), material(_MASS))
+
+    def place(self, state: State) -> Placed:
+        """As `MassCentre.place`."""
+        for path, point in zip(self.paths, self._points, strict=True):
+            at = state.placement_about_base(point).translation
+            try:
+                masses, axes = np.linalg.eigh(operational_space(state, point).inertia)
+            except OspaceError:  # the point cannot be accelerated in some direction
+                masses, axes = np.zeros(3), np.eye(3)
+            yield path, _ellipsoid(axes, self._scale * np.sqrt(np.maximum(masses, 0.0)), at)
+
+
+class Manipulability:
+    """Generalized manipulability, and that of the same arm on a base that is held."""
+
+    name, title = "manipulability", "generalized manipulability"
+
+    def __init__(self, stage: Stage, root: str, points: Sequence[OperationalPoint], reach: float) -> None:
+        self._points = _linear(points)
+        names = [f"{component(point.frame)} {k}" for k, point in enumerate(points)]
+        self._floating = [f"{root}/floating {name}" for name in names]
+        self._held = [f"{root}/held {name}" for name in names]
+        self.paths = self._floating + self._held
+        self._scale = 0.2
+        self.legend = "velocity at unit joint rates, 1 m/s as 20 cm; cyan: floating base, grey: base held"
+        for paths, colour in ((self._floating, _FLOATING), (self._held, _HELD)):
+            for path in paths:
+                stage.set_object(f"{path}/ball", Ball(1.0), material(colour))
+
+    def place(self, state: State) -> Placed:
+        """As `MassCentre.place`."""
+        for floating, held, point in zip(self._floating, self._held, self._points, strict=True):
+            at = state.placement_about_base(point).translation
+            J_m = operational_space(state, point, method="dense").jacobian[:, 6:]
+            for path, J in ((floating, generalized_jacobian(state, point).generalized_jacobian), (held, J_m)):
+                U, sigma, _ = np.linalg.svd(J @ J.T)
+                yield path, _ellipsoid(U, self._scale * np.sqrt(sigma), at)
+
+
+class Momentum:
+    """Linear and angular momentum."""
+
+    name, title = "momentum", "momentum"
+
+    def __init__(self, stage: Stage, root: str, points: Sequence[OperationalPoint], reach: float) -> None:
+        self._arrows = {(part, kind): f"{root}/{kind} {part}" for part in _PARTS for kind in _MOMENTA}
+        self.paths = list(self._arrows.values())
+        self.legend = "blue: linear, magenta: angular; of the whole, of the base, of what hangs from it"
+        self._length = 0.45 * reach
+        self._largest = dict.fromkeys(_MOMENTA, 0.0)
+        for (_, kind), path in self._arrows.items():
+            arrow(stage, path, _MOMENTA[kind])
+
+    def place(self, state: State) -> Placed:
+        """As `MassCentre.place`; the longest arrow of each kind so far is the measure of the others."""
+        momenta = _momenta(state)
+        scale = float(np.linalg.norm(state.v)) * state.robot.total_mass
+        for kind, side in (("linear", slice(0, 3)), ("angular", slice(3, 6))):
+            sizes = {part: float(np.linalg.norm(h[side])) for part, (h, _) in momenta.items()}
+            self._largest[kind] = largest = max(self._largest[kind], *sizes.values())
+            for part, (h, at) in momenta.items():
+                shown = sizes[part] > _NOTHING * scale
+                length = self._length * sizes[part] / largest if shown else _VANISHED
+                R = _z_along(h[side]) if shown else np.eye(3)
+                yield self._arrows[part, kind], homogeneous(max(length, _VANISHED) * R, at)
+
+
+QUANTITIES = (MassCentre, OperationalInertia, Manipulability, Momentum)
+
+
+def _linear(points: Sequence[OperationalPoint]) -> list[OperationalPoint]:
+    return [replace(point, axes=(True, True, True, False, False, False)) for point in points]
+
+
+def _ellipsoid(axes: Floats, lengths: Floats, at: Floats) -> Floats:
+    """Place a unit ball as an ellipsoid with semi-axes along the columns of `axes`."""
+    turn = axes * np.sign(np.linalg.det(axes))
+    return homogeneous(turn * np.maximum(lengths, max(_VANISHED, _THIN * lengths.max())), at)
+
+
+def _z_along(direction: Floats) -> Floats:
+    """Return a rotation whose third column is along `direction`."""
+    turn = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), direction / np.linalg.norm(direction))
+    return np.asarray(turn.matrix())
+
+
+def _mass_centre(state: State) -> Floats:
+    """As seen from the base's origin, inertial axes, m."""
+    robot = state.robot
+    data = robot.scratch.data
+    return np.array(pin.centerOfMass(robot.model, data, state.beside_base()[0]))
+
+
+def _momenta(state: State) -> dict[str, tuple[Floats, Floats]]:
+    """Return momentum (6,) about the centre of mass of the whole, and centre of mass (3,), of each part."""
+    robot, q = state.robot, state.beside_base()[0]
+    data, own = robot.scratch.data, robot.model.inertias[1]
+    centre = np.array(pin.centerOfMass(robot.model, data, q))
+    R = pin.Quaternion(q[3:7]).matrix()
+    at = R @ own.lever
+    h = own * pin.Motion(state.v[:6])  # about the base's origin, base axes
+    linear, angular = R @ h.linear, R @ h.angular
+    base = np.r_[linear, angular - np.cross(centre, linear)]
+    M_0 = momentum(state)
+    whole = np.r_[M_0[:3], M_0[3:] - np.cross(centre, M_0[:3])]
+    rest = robot.total_mass - own.mass
+    beyond = (robot.total_mass * centre - own.mass * at) / rest if rest > 0.0 else at
+    return {"whole": (whole, centre), "base": (base, at), "arms": (whole - base, beyond)}

@@ -1,0 +1,312 @@
+"""A robot to look at: live in a browser, in a notebook, or as one file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from ospace.exceptions import OspaceError, closest
+from ospace.kernels.tables import Floats
+from ospace.points import OperationalPoint, point_set
+from ospace.robot import SpaceRobot
+from ospace.simulation.moving_frame import MovingFrame
+from ospace.state import State, checked_state
+from ospace.urdf.description import Colour
+from ospace.urdf.findings import Finding
+from ospace.visual import look, page
+from ospace.visual.animation import animation
+from ospace.visual.figure import of_robot
+from ospace.visual.look import Background
+from ospace.visual.page import Label, Layer
+from ospace.visual.quantities import QUANTITIES
+from ospace.visual.stage import Stage, component
+
+LAYERS = {
+    "robot": "robot",
+    "collision": "collision shapes",
+    "inertia": "inertia of each link",
+    "points": "operational points",
+} | {one.name: one.title for one in QUANTITIES}
+"""Names of layers, and what the page calls them."""
+SHOWN = ("robot", "points", "mass-centre")
+_LEGENDS = {"inertia": "uniform ellipsoids of the same mass and tensor; red: no mass is spread so"}
+_MOST_POINTS = 8  # unless points are given
+_QUANTITY_RATE = 20.0  # Hz, at which quantities are drawn in an animation
+_SAMPLES = 40  # of a motion, for the size of the scene
+
+
+class Motion(Protocol):
+    """A motion in N records, such as `ospace.simulation.Trajectory`."""
+
+    @property
+    def time(self) -> Floats:
+        """(N,) s, increasing."""
+
+    @property
+    def q(self) -> Floats:
+        """(N, nq) configurations."""
+
+    @property
+    def v(self) -> Floats:
+        """(N, nv) velocities."""
+
+
+class _Player:
+    """A robot in the scene, and what moves with it."""
+
+    def __init__(self, stage: Stage, number: int, robot: SpaceRobot, marked: Mapping[str, Colour]) -> None:
+        self.robot = robot
+        self.root = f"/robots/{number} {component(robot.name)}"
+        self.figure = of_robot(stage, self.root, robot, marked)
+
+    def nodes(self, q: Floats) -> Floats:
+        """Return position and quaternion of each node (J, 7)."""
+        data = self.robot.scratch.data
+        pin.forwardKinematics(self.robot.model, data, q)
+        return np.array([pin.SE3ToXYZQUAT(data.oMi[j]) for j in range(1, self.robot.model.njoints)])
+
+    def corners(self, q: Floats) -> Floats:
+        """Return corners (N, 3) that it lies between at `q`."""
+        return self.figure.corners([pin.XYZQUATToSE3(pose).homogeneous for pose in self.nodes(q)])
+
+
+class Scene:
+    """A robot, with operational points and quantities of the paper as layers that can be switched on and off.
+
+    Parameters
+    ----------
+    robot : SpaceRobot
+    points : sequence of OperationalPoint, optional
+        Shown as triads with names, and with ellipsoids; the first 8 leaf links without it.
+    show : iterable of str
+        Names of the layers shown at first, of `LAYER_NAMES`; the others can be switched on in the page.
+    background : "space" or "paper"
+    marked : mapping of link name to (red, green, blue, opacity), optional
+        Links in other colours than their own, parts from 0 to 1.
+
+    Attributes
+    ----------
+    frame : MovingFrame
+        The inertial frame, with the user's axes, in which everything is drawn: it starts where the base is displayed
+        first and moves along with the base as it is at the start of an animation.
+    duration : float
+        Of the animation, s.
+    error : float
+        How far a body may be from its motion between two keys of the animation, m and half angles in rad.
+    findings : list of Finding
+        Meshes that cannot be shown; a box of the link's inertia stands in their place.
+
+    Raises
+    ------
+    OspaceError
+        A layer or background is unknown, a point is another robot's, or meshcat is not installed.
+
+    Examples
+    --------
+    >>> scene = Scene(robot)
+    >>> scene.display(robot.configuration({"right_arm_4": 1.2}))
+    >>> scene.save_html("robot.html")
+    """
+
+    def __init__(
+        self,
+        robot: SpaceRobot,
+        points: Sequence[OperationalPoint] | None = None,
+        *,
+        show: Iterable[str] = SHOWN,
+        background: Background = "space",
+        marked: Mapping[str, Colour] | None = None,
+    ) -> None:
+        shown = tuple(show)
+        for name in shown:
+            if name not in LAYERS:
+                raise OspaceError(f"layer '{name}' is unknown{closest(name, LAYERS)}")
+        if points is None:
+            points = _default_points(robot)
+        elif points:
+            point_set(robot, points)
+        self.robot = robot
+        self.stage = Stage()
+        self.frame = MovingFrame(np.zeros(3), np.zeros(3))
+        self.duration, self.error = 0.0, 0.0
+        self._background: Background = background
+        self._displayed = False
+        self._players = [_Player(self.stage, 0, robot, marked or {})]
+        self.findings: list[Finding] = list(self._players[0].figure.findings)
+        rest = pin.neutral(robot.model)
+        reach = 0.5 * float(np.linalg.norm(np.ptp(self._players[0].corners(rest), axis=0)))
+        self._labels = [self._triad(point, k, 0.09 * reach) for k, point in enumerate(points)]
+        self._quantities = [one(self.stage, "/quantities", points, reach) for one in QUANTITIES]
+        self._layers = {name: Layer(name, LAYERS[name], _LEGENDS.get(name, ""), [], name in shown) for name in LAYERS}
+        self._layers["points"].paths += [label.path for label in self._labels]
+        for quantity in self._quantities:
+            self._layers[quantity.name].paths += quantity.paths
+            self._layers[quantity.name].legend = quantity.legend
+        self._labels.append(Label("centre of mass", self._quantities[0].paths[0], "mass-centre"))
+        self._enlist(self._players[0])
+        self._place(robot.state(rest))
+        self._surround([rest])
+
+    def add(self, robot: SpaceRobot) -> None:
+        """Put another robot into the scene, such as a target: it is drawn without points and quantities."""
+        player = _Player(self.stage, len(self._players), robot, {})
+        self._players.append(player)
+        self.findings += player.figure.findings
+        self._enlist(player)
+
+    def _enlist(self, player: _Player) -> None:
+        for name, paths in player.figure.layers.items():
+            self._layers[name].paths += paths
+        for layer in self._layers.values():
+            for path in layer.paths:
+                self.stage.set_property(path, "visible", layer.shown)
+
+    def _triad(self, point: OperationalPoint, number: int, length: float) -> Label:
+        node = self._players[0].figure.nodes[point.joint - 1]
+        path = f"{node}/points/point {component(point.frame)} {number}"
+        look.triad(self.stage, f"{path}/axes", length)
+        self.stage.set_transform(path, point.placement.homogeneous)
+        return Label(point.frame, path, "points")
+
+    # -- how it moves ----------------------------------------------------------------------------------------
+
+    def display(self, q: npt.ArrayLike, v: npt.ArrayLike | None = None) -> None:
+        """Show the robot in a configuration.
+
+        Parameters
+        ----------
+        q : (nq,)
+            As of `SpaceRobot.state`.
+        v : (nv,), optional
+            Velocity, for the arrows of momentum; zero without it.
+
+        Raises
+        ------
+        OspaceError
+            q or v is no state of the robot.
+        """
+        q, v = checked_state(self.robot, q, np.zeros(self.robot.nv) if v is None else v)
+        if not self._displayed:
+            self.frame = MovingFrame(q[:3].copy(), np.zeros(3))
+        q[:3] -= self.frame.origin
+        player = self._players[0]
+        for path, pose in zip(player.figure.nodes, player.nodes(q), strict=True):
+            self.stage.set_transform(path, pin.XYZQUATToSE3(pose).homogeneous)
+        self._place(self.robot.state(q, v))
+        if not self._displayed:
+            self._surround([q])
+        self._displayed = True
+
+    def animate(self, *motions: Motion) -> None:
+        """Show a motion; the page gets a time slider.
+
+        Parameters
+        ----------
+        motions : Motion
+            Such as a `Trajectory`: of the robot, and of each other one in the scene, over the same time.
+
+        Raises
+        ------
+        OspaceError
+            A motion is another robot's, or has less than two records; there are not as many as robots.
+
+        Notes
+        -----
+        The keys of the animation are so many that no body is further than `error` from where it was, at any time.
+        """
+        if len(motions) != len(self._players):
+            raise OspaceError(f"give one motion for each of the {len(self._players)} robots in the scene")
+        for player, motion in zip(self._players, motions, strict=True):
+            robot = player.robot
+            if motion.q.ndim != 2 or motion.q.shape[1] != robot.nq or motion.v.shape[1] != robot.nv:
+                raise OspaceError(f"the motion is not of {robot!r}")
+            if len(motion.time) < 2:
+                raise OspaceError(f"the motion of '{robot.name}' has {len(motion.time)} record: it takes two to move")
+        first = motions[0]
+        start = float(first.time[0])
+        self.frame = MovingFrame.of(self.robot.state(first.q[0], first.v[0]))
+        moved: dict[str, tuple[Floats, Floats]] = {}
+        seen = []
+        for player, motion in zip(self._players, motions, strict=True):
+            time = motion.time - start
+            Q, V = self.frame.inverse.leave(time, motion.q, motion.v)
+            poses = np.array([player.nodes(q) for q in Q])
+            for j, path in enumerate(player.figure.nodes):
+                moved[path] = time, poses[:, j]
+            seen.append((time, Q, V))
+        moved |= self._quantities_along(*seen[0])
+        self.duration = float(seen[0][0][-1])
+        made, self.error = animation(moved)
+        self.stage.set_animation(made)
+        self._surround(*(Q[:: max(1, len(Q) // _SAMPLES)] for _, Q, _ in seen))
+        self._displayed = True
+
+    def _quantities_along(self, time: Floats, Q: Floats, V: Floats) -> dict[str, tuple[Floats, Floats]]:
+        wanted = np.linspace(0.0, time[-1], max(2, round(time[-1] * _QUANTITY_RATE)))
+        records = np.unique(np.searchsorted(time, wanted).clip(0, len(time) - 1))
+        placed: dict[str, list[Floats]] = {}
+        for k in records:
+            for path, T in self._placed(self.robot.state(Q[k], V[k])):
+                placed.setdefault(path, []).append(_pose_and_scale(T))
+        return {path: (time[records], np.array(poses)) for path, poses in placed.items()}
+
+    def _place(self, state: State) -> None:
+        for path, T in self._placed(state):
+            self.stage.set_transform(path, T)
+
+    def _placed(self, state: State) -> Iterator[tuple[str, Floats]]:
+        for quantity in self._quantities:
+            for path, T in quantity.place(state):
+                T[:3, 3] += state.q[:3]
+                yield path, T
+
+    def _surround(self, *motions: Sequence[Floats] | Floats) -> None:
+        corners = [player.corners(q) for player, Q in zip(self._players, motions, strict=False) for q in Q]
+        look.surround(self.stage, self._background, np.concatenate(corners))
+
+    # -- where it is seen ------------------------------------------------------------------------------------
+
+    def html(self) -> str:
+        """Return the scene as a page that needs nothing else: no server, no file beside it, no network."""
+        return page.render(self.content())
+
+    def content(self) -> page.Content:
+        """Return what a page is made of."""
+        robot = self.robot
+        heading = f"{robot.nv} degrees of freedom, {robot.total_mass:.6g} kg"
+        return page.Content(
+            self.stage,
+            robot.name,
+            heading,
+            self._background,
+            [layer for layer in self._layers.values() if layer.paths],
+            self._labels,
+            [str(finding) for finding in self.findings],
+        )
+
+    def save_html(self, path: str | PathLike[str]) -> Path:
+        """Write the scene to one file that a browser opens, without a request to anywhere; return its path."""
+        file = Path(path)
+        file.write_text(self.html(), encoding="utf-8")
+        return file
+
+    def _repr_html_(self) -> str:
+        return page.frame(self.html())
+
+
+def _default_points(robot: SpaceRobot) -> list[OperationalPoint]:
+    """Take the leaf links that joints move, or all where there is none."""
+    points = [robot.point(name) for name in robot.leaf_links]
+    return ([point for point in points if point.joint > 1] or points)[:_MOST_POINTS]
+
+
+def _pose_and_scale(T: Floats) -> Floats:
+    """Return position, quaternion and scale (10,) of a placement."""
+    scale = np.linalg.norm(T[:3, :3], axis=0)
+    return np.r_[pin.SE3ToXYZQUAT(pin.SE3(T[:3, :3] / scale, T[:3, 3])), scale]
