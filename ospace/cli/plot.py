@@ -68,13 +68,14 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
 
 def _known(names: Sequence[str]) -> None:
     """Raise where a quantity is unknown."""
-    from ospace.exceptions import OspaceError, closest
+    from ospace.exceptions import OspaceError, closest, printable
     from ospace.scenario.series import TITLES
 
     for name in names:
         if name not in TITLES:
             near = closest(name, TITLES).partition("; known:")[0]
-            raise OspaceError(f"no quantity '{name}'{near}; there are {', '.join(TITLES)}")
+            known = f"{' There' if near else '; there'} are {', '.join(TITLES)}"
+            raise OspaceError(f"no quantity '{printable(name)}'{near}{known}")
 
 
 def _drawn(logs: Mapping[str, Any], names: Sequence[str] | None) -> dict[str, Mapping[str, Series] | Series]:

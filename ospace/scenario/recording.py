@@ -16,15 +16,14 @@ from ospace.points import OperationalPoint
 from ospace.scenario.result import BASE, TaskErrors
 
 _AT_ONCE = 256
-"""Cycles whose Jacobians wait for their singular values: NumPy takes many at once in a fifth of the time, and the
-Jacobians of a long run would not fit into memory."""
+"""Cycles whose Jacobians and configurations wait for singular values and poses: many at once take a third of the time,
+and those of a long run would not fit into memory."""
 
 
 @dataclass(frozen=True)
 class _Cycle:
     time: float
     errors: Floats
-    poses: Floats
     taken: float
 
 
@@ -48,8 +47,9 @@ class Recording:
         self._tracked = {name: point for name, point in self._points.items() if name != BASE}
         self._data = controller.robot.model.createData()
         self._cycles: list[_Cycle] = []
-        self._jacobians: list[Floats] = []
+        self._waiting: list[tuple[Floats, Floats]] = []
         self._singular: dict[str, list[Floats]] = {task.name: [] for task in self._about_points}
+        self._poses: dict[str, list[Floats]] = {name: [] for name in self._tracked}
 
     def __len__(self) -> int:
         return len(self._cycles)
@@ -57,15 +57,14 @@ class Recording:
     def take(self, time: float, q: Floats, command: Command) -> None:
         """Take down one cycle, at `time` (s) in the configuration `q`."""
         if self._about_points:
-            self._jacobians.append(command.generalized_jacobian)
-        if len(self._jacobians) == _AT_ONCE:
+            self._waiting.append((command.generalized_jacobian, q.copy()))
+        if len(self._waiting) == _AT_ONCE:
             self._reduce()
         self.statuses[command.status] += 1
         self.active_limits.update(command.active_limits)
         self.near_singularity.update(command.near_singularity)
         # one call that Ctrl-C cannot divide: a cycle counts when it is whole
-        errors = np.concatenate(tuple(command.errors.values()))
-        self._cycles.append(_Cycle(time, errors, self._poses(q), command.timing.total))
+        self._cycles.append(_Cycle(time, np.concatenate(tuple(command.errors.values())), command.timing.total))
 
     @property
     def time(self) -> Floats:
@@ -101,20 +100,19 @@ class Recording:
     def sigma_min(self) -> dict[str, Floats]:
         """σ_min of J_m* of each task about points (N,)."""
         self._reduce()
-        none = np.zeros(0)
-        return {name: np.concatenate([none, *parts])[: len(self)] for name, parts in self._singular.items()}
+        return {name: np.concatenate(parts)[: len(self)] for name, parts in self._singular.items()}
 
     @property
     def poses(self) -> dict[str, Floats]:
         """Pose of each of the tasks' points but the base: place and quaternion x, y, z, w, inertial axes (N, 7)."""
-        X = np.array([cycle.poses for cycle in self._cycles])
-        return {name: X[:, k] for k, name in enumerate(self._tracked)}
+        self._reduce()
+        return {name: np.concatenate(parts)[: len(self)] for name, parts in self._poses.items()}
 
     def _reduce(self) -> None:
-        """Take the singular values of the Jacobians that wait for it."""
-        if not self._jacobians:
+        """Take singular values and poses of the cycles that wait for it."""
+        if not self._waiting:
             return
-        J, first = np.array(self._jacobians), 0
+        J, first = np.array([jacobian for jacobian, _ in self._waiting]), 0
         for task in self._about_points:
             rows = len(self._rows[task.name])
             smallest = np.zeros(len(J))
@@ -122,16 +120,23 @@ class Recording:
                 smallest[:] = np.linalg.svd(J[:, first : first + rows], compute_uv=False)[:, -1]
             self._singular[task.name].append(smallest)
             first += rows
-        self._jacobians.clear()
+        found = poses(self.controller.robot.model, self._data, self._tracked, [q for _, q in self._waiting])
+        for name, values in found.items():
+            self._poses[name].append(values)
+        self._waiting.clear()
 
-    def _poses(self, q: Floats) -> Floats:
-        """Return the poses at the configuration `q` (k, 7), by Pinocchio's forward kinematics."""
-        found = np.empty((len(self._tracked), 7))
-        if self._tracked:
-            pin.forwardKinematics(self.controller.robot.model, self._data, q)
-            for k, point in enumerate(self._tracked.values()):
-                found[k] = pin.SE3ToXYZQUAT(self._data.oMi[point.joint] * point.placement)
-        return found
+
+def poses(
+    model: pin.Model, data: pin.Data, points: Mapping[str, OperationalPoint], Q: Sequence[Floats]
+) -> dict[str, Floats]:
+    """Return the pose of each point (N, 7) at configurations `Q` (N, nq), by Pinocchio's forward kinematics."""
+    found = {name: np.empty((len(Q), 7)) for name in points}
+    if points:
+        for k, q in enumerate(Q):
+            pin.forwardKinematics(model, data, q)
+            for name, point in points.items():
+                found[name][k] = pin.SE3ToXYZQUAT(data.oMi[point.joint] * point.placement)
+    return found
 
 
 def _points(tasks: Sequence[Task]) -> dict[str, OperationalPoint]:

@@ -103,7 +103,7 @@ def test_an_existing_file_is_written_anew(plot, logged, tmp_path):
         (["other.npz"], "run the scenario again"),
         (["first.npz", "nothing.npz"], "nothing.npz"),
         (["first.npz", "first.npz", "first.npz"], "unrecognized arguments"),
-        (["first.npz", "--quantity", "torqe"], "no quantity 'torqe'; did you mean 'torque'"),
+        (["first.npz", "--quantity", "torqe"], "no quantity 'torqe'; did you mean 'torque'? There are position-error"),
         (["first.npz", "--quantity", "everything"], "no quantity 'everything'; there are position-error, angle-error"),
         (["first.npz", "--quantity", "momentum-error"], f"no momentum-error in first: there are {NAMES}"),
         (["first.npz", "--out", "x.doc"], "ends neither in .svg nor .png nor .pdf"),

@@ -226,6 +226,18 @@ def test_what_was_run_until_an_interrupt_can_be_logged(tmp_path, monkeypatch, wh
     assert ("cycle-time" in series.of(read)) == (when > 0.0)
 
 
+def test_an_interrupt_when_the_run_is_over_leaves_a_log(tmp_path, monkeypatch):
+    def interrupted(self):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(recording.Recording, "sigma_min", property(interrupted))
+    run = missions.flown(tmp_path)
+    assert run.interrupted
+    read = log.load(log.save(run, tmp_path / "out.npz"))
+    assert (read.phases, len(read.segments)) == ((), 1)
+    assert "torque" in series.of(read)
+
+
 # -- curves ------------------------------------------------------------------------------------------------------
 
 
