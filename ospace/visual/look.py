@@ -19,6 +19,7 @@ _VIEW = np.array([0.80, -0.72, 0.42])  # from where the camera looks
 _SUN = np.array([0.35, -0.75, 0.85])
 _FIELD = 36.0  # of view, deg
 _ASPECT, _MARGIN = 1.25, 1.12  # of the picture, which is wider than high, and what stays free around the robot
+_LEVEL, _LEAN, _RISE = 0.2, 0.35, 0.42  # of two robots above each other; of the view aside, and from above
 _STARS = 1400
 
 
@@ -57,8 +58,10 @@ class _Dots(g.PointsMaterial):  # type: ignore[misc]
         return super().lower(object_data) | {"sizeAttenuation": False}
 
 
-def surround(stage: Stage, background: Background, corners: Floats) -> None:
+def surround(stage: Stage, background: Background, corners: Floats, along: Floats | None = None) -> None:
     """Set up background, light and camera for a scene that lies between `corners` (N, 3), m.
+
+    The camera looks across `along` (3,), the way from one robot to another, if there is one.
 
     Raises
     ------
@@ -89,12 +92,13 @@ def surround(stage: Stage, background: Background, corners: Floats) -> None:
         position = 3.0 * reach * direction / np.linalg.norm(direction)
         stage.set_object(f"/Lights/{name}", _Light(colour, intensity, centre + position, 1.3 * reach))
         stage.set_property(f"/Lights/{name}/<object>", "castShadow", name == "Sun")
-    distance = _distance(corners - centre)
+    view = _view(along)
+    distance = _distance(corners - centre, view)
     camera = "/Cameras/default/rotated/<object>"
     stage.set_property(camera, "fov", _FIELD)
     stage.set_property(camera, "near", 0.01 * distance)
     stage.set_property(camera, "far", 30.0 * distance)
-    for name, (x, y, z) in (("position", centre + distance * _VIEW / np.linalg.norm(_VIEW)), ("target", centre)):
+    for name, (x, y, z) in (("position", centre + distance * view), ("target", centre)):
         stage.set_property(camera, name, [x, z, -y])  # its frame stands with y upwards
     if background == "space":
         rng = np.random.default_rng(7)
@@ -106,9 +110,20 @@ def surround(stage: Stage, background: Background, corners: Floats) -> None:
         stage.set_object("/stars", stars)
 
 
-def _distance(corners: Floats) -> float:
-    """Return from how far away the camera sees all of `corners`, seen from where it looks to, m."""
-    away = _VIEW / np.linalg.norm(_VIEW)
+def _view(along: Floats | None) -> Floats:
+    """Return the direction (3,) from what the camera looks at to the camera."""
+    view = _VIEW
+    if along is not None:
+        across = np.cross(along, [0.0, 0.0, 1.0])
+        if np.linalg.norm(across) > _LEVEL * np.linalg.norm(along):
+            side = across / np.linalg.norm(across)
+            ahead = along * [1.0, 1.0, 0.0] / np.linalg.norm(along[:2])
+            view = side * np.copysign(1.0, side @ _VIEW) + _LEAN * ahead + [0.0, 0.0, _RISE]
+    return np.asarray(view / np.linalg.norm(view))
+
+
+def _distance(corners: Floats, away: Floats) -> float:
+    """Return from how far away a camera in the direction `away` sees all of `corners`, seen from where it looks to."""
     right = np.cross([0.0, 0.0, 1.0], away)
     right /= np.linalg.norm(right)
     up = np.cross(away, right)

@@ -276,8 +276,11 @@ class Scene:
                 yield path, T
 
     def _surround(self, *motions: Sequence[Floats] | Floats) -> None:
-        corners = [player.corners(q) for player, Q in zip(self._players, motions, strict=False) for q in Q]
-        look.surround(self.stage, self._background, np.concatenate(corners))
+        corners = [
+            np.concatenate([player.corners(q) for q in Q]) for player, Q in zip(self._players, motions, strict=False)
+        ]
+        along = corners[1].mean(axis=0) - corners[0].mean(axis=0) if len(corners) > 1 else None
+        look.surround(self.stage, self._background, np.concatenate(corners), along)
 
     # -- where it is seen ------------------------------------------------------------------------------------
 
