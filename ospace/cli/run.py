@@ -108,16 +108,18 @@ def _run(given: argparse.Namespace, scenario: Scenario, watch: Any) -> Run:
 
 
 def _write(given: argparse.Namespace, result: Run) -> None:
+    from ospace.cli import progress
     from ospace.scenario import log
 
     if given.log:
         log.save(result, given.log)
     if given.csv:
         log.to_csv(result, given.csv)
-    if given.html:
+    if given.html and result.duration > 0.0:
         from ospace.visual import run_report
 
-        run_report.save(result, given.html)
+        with nullcontext() if given.headless else progress.bar(given, "drawing the report", 1):
+            run_report.save(result, given.html)
 
 
 @contextmanager
