@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -44,6 +45,8 @@ class Figure:
         On meshes that cannot be shown.
     extents : list of (int, (8, 3))
         Number of a node, and corners of a box that holds a part of what stands on it, m.
+    links : dict of link name to (int, (4, 4))
+        Number of the node it is on, and where its frame lies in that of the node, m.
     """
 
     nodes: list[str] = field(default_factory=list)
@@ -51,6 +54,11 @@ class Figure:
     layers: dict[str, list[str]] = field(default_factory=lambda: {"robot": [], "collision": [], "inertia": []})
     findings: list[Finding] = field(default_factory=list)
     extents: list[tuple[int, Floats]] = field(default_factory=list)
+    links: dict[str, tuple[int, Floats]] = field(default_factory=dict)
+
+    def of_link(self, name: str, layer: str) -> str:
+        """Return the path below which all of a link in a layer stands."""
+        return f"{self.nodes[self.links[name][0]]}/{layer}/link {component(name)}"
 
     def corners(self, places: Sequence[Floats]) -> Floats:
         """Return corners (N, 3) that all lies between, nodes placed at `places` (4, 4), m."""
@@ -67,10 +75,11 @@ def of_robot(stage: Stage, root: str, robot: SpaceRobot, marked: Mapping[str, Co
         builder.node(f"{root}/joint {component(model.names[j])}" if j > 1 else f"{root}/base", data.oMi[j].homogeneous)
     if description is None or robot.source is None:
         for j in range(1, model.njoints):
-            builder.inertia(j - 1, model.names[j], model.inertias[j])
-            builder.box(j - 1, model.names[j], model.inertias[j])
+            own = model.inertias[j]
+            builder.inertia(j - 1, model.names[j], _Mass(own.mass, own.lever, own.inertia))
+            builder.box(j - 1, model.names[j], _Mass(own.mass, own.lever, own.inertia))
     else:
-        builder.folders = [robot.source, *robot.package_dirs]
+        builder.describes(description, [robot.source, *robot.package_dirs])
         for frame in model.frames:
             if frame.type == pin.FrameType.BODY and frame.parentJoint > 0:
                 builder.link(description.link[frame.name], frame.parentJoint - 1, frame.placement)
@@ -86,7 +95,7 @@ def of_description(
 ) -> Figure:
     """Put on the stage what a file describes, sound or not; `folders` has the file and the folders of packages."""
     builder = _Builder(stage, marked)
-    builder.folders = list(folders)
+    builder.describes(description, folders)
     bodies, places = link_places(description)
     for body in bodies:
         above = builder.figure.rest[body.parent] if body.parent >= 0 else np.eye(4)
@@ -96,11 +105,28 @@ def of_description(
     return builder.figure
 
 
+class _Mass(NamedTuple):
+    """Mass, kg, its centre (3,), m, and tensor (3, 3) about it, kg m², in a node's axes.
+
+    Any tensor: `pin.Inertia` refuses those that no body has.
+    """
+
+    mass: float
+    centre: Floats
+    tensor: Floats
+
+
 class _Builder:
     def __init__(self, stage: Stage, marked: Mapping[str, Colour]) -> None:
         self.stage, self.marked = stage, marked
         self.figure = Figure()
         self.folders: list[Path] = []
+        self.bare = False
+
+    def describes(self, description: Description, folders: Sequence[Path]) -> None:
+        """Show links of a file; `folders` has it and the folders of packages."""
+        self.folders = list(folders)
+        self.bare = not any(link.shapes for link in description.links)
 
     def node(self, path: str, T: Floats) -> None:
         """Add a node, at rest at `T` (4, 4), m."""
@@ -110,7 +136,10 @@ class _Builder:
 
     def link(self, link: Link, node: int, T: pin.SE3) -> None:
         """Show a link at `T` in the node's frame."""
-        inertia = None if link.inertial is None else T.act(_inertia(link.inertial))
+        self.figure.links[link.name] = node, T.homogeneous
+        inertia = None if link.inertial is None else _mass(link.inertial, T)
+        if self.bare and inertia is not None:
+            self.box(node, link.name, inertia)
         boxed = False
         for k, shape in enumerate(link.shapes):
             try:
@@ -147,7 +176,7 @@ class _Builder:
             raise MeshError("mesh-unreadable", f"'{filename}' is none of {', '.join(_MESHES)}")
         return path
 
-    def inertia(self, node: int, name: str, inertia: pin.Inertia) -> None:
+    def inertia(self, node: int, name: str, inertia: _Mass) -> None:
         """Show the uniform ellipsoid of the same mass and moments; in red where there is none."""
         squares, axes, gross = _semi_axes_squared(inertia)
         if inertia.mass <= 0.0 or squares.max() <= 0.0:
@@ -155,18 +184,18 @@ class _Builder:
         lengths = np.sqrt(np.maximum(squares, _THIN**2 * squares.max()))
         path = self._path(node, "inertia", component(f"link {name}"))
         self.stage.set_object(path, Ball(1.0), material(_WRONG if gross else _INERTIA))
-        self.stage.set_transform(path, homogeneous(axes * lengths, inertia.lever))
+        self.stage.set_transform(path, homogeneous(axes * lengths, inertia.centre))
 
-    def box(self, node: int, name: str, inertia: pin.Inertia) -> None:
-        """Show the uniform box of the same mass and moments, in place of what cannot be shown."""
+    def box(self, node: int, name: str, inertia: _Mass) -> None:
+        """Show the uniform box of the same mass and moments, in place of what cannot be shown or is not there."""
         squares, axes, _ = _semi_axes_squared(inertia)
         if inertia.mass <= 0.0 or squares.max() <= 0.0:
             return
         sides = 2.0 * np.sqrt(0.6 * np.maximum(squares, _THIN**2 * squares.max()))
         path = self._path(node, "robot", component(f"link {name}") + "/inertia box")
         self.stage.set_object(path, g.Box(sides.tolist()), material(self.marked.get(name, _IN_PLACE_OF_MESH)))
-        self.stage.set_transform(path, homogeneous(axes, inertia.lever))
-        self.figure.extents.append((node, box_corners(homogeneous(axes, inertia.lever), 0.5 * sides)))
+        self.stage.set_transform(path, homogeneous(axes, inertia.centre))
+        self.figure.extents.append((node, box_corners(homogeneous(axes, inertia.centre), 0.5 * sides)))
 
     def _path(self, node: int, layer: str, name: str) -> str:
         own = f"{self.figure.nodes[node]}/{layer}"
@@ -175,17 +204,18 @@ class _Builder:
         return f"{own}/{name}"
 
 
-def _inertia(inertial: Inertial) -> pin.Inertia:
+def _mass(inertial: Inertial, T: pin.SE3) -> _Mass:
     R, centre = placement(inertial.pose)
-    return pin.Inertia(inertial.mass, centre, R @ tensor_of(inertial) @ R.T)
+    turn = T.rotation @ R
+    return _Mass(inertial.mass, T.act(centre), turn @ tensor_of(inertial) @ turn.T)
 
 
-def _semi_axes_squared(inertia: pin.Inertia) -> tuple[Floats, Floats, bool]:
+def _semi_axes_squared(inertia: _Mass) -> tuple[Floats, Floats, bool]:
     """Return squares (3,) of the semi-axes of the uniform ellipsoid, m²; its axes as columns; whether it is none.
 
     With moments I_k = m/5 (a_i² + a_j²), a_k² = 5/2m (I_i + I_j − I_k), which is negative where no mass is spread so.
     """
-    moments, axes = np.linalg.eigh(inertia.inertia)
+    moments, axes = np.linalg.eigh(inertia.tensor)
     if np.linalg.det(axes) < 0.0:
         axes[:, 0] *= -1.0
     squares = 2.5 / inertia.mass * (moments.sum() - 2.0 * moments) if inertia.mass > 0.0 else np.zeros(3)
