@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from ospace.simulation.trajectory import Trajectory
-    from ospace.urdf.description import Description
     from ospace.urdf.findings import Finding
 
 
@@ -84,12 +83,10 @@ class UnsoundModelError(OspaceError):
     ----------
     findings : tuple of Finding
         What is wrong, each with link or joint and remedy.
-    description : Description or None
-        Links, joints and shapes as the URDF has them; None for a robot that was read from none.
     """
 
-    def __init__(self, name: str, findings: Iterable[Finding], description: Description | None = None) -> None:
-        self.findings, self.description = tuple(findings), description
+    def __init__(self, name: str, findings: Iterable[Finding]) -> None:
+        self.findings = tuple(findings)
         lines = "".join(f"\n  {finding}" for finding in self.findings if finding.severity == "error")
         super().__init__(f"robot '{printable(name)}' has no sound dynamics:{lines}")
 

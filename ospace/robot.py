@@ -104,7 +104,7 @@ class SpaceRobot:
         file, folders = Path(path), [Path(folder) for folder in package_dirs]
         reading = reader.read(file, package_dirs=folders, limits=limits, free_mimic=free_mimic)
         if reading.model is None:
-            raise UnsoundModelError(reading.description.name, reading.findings, reading.description)
+            raise UnsoundModelError(reading.description.name, reading.findings)
         return cls(reading.model, reading.findings, source=file, description=reading.description, package_dirs=folders)
 
     @classmethod
