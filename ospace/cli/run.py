@@ -92,7 +92,10 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
             if result.interrupted:
                 return EXIT_INTERRUPTED, ""
             if live:
-                live.replay(result)
+                try:
+                    live.replay(result)
+                except KeyboardInterrupt:  # which is how a view ends well
+                    given.forgive_interrupt()
     return 0 if result.passed else EXIT_FINDINGS, text
 
 
@@ -128,7 +131,8 @@ def _live(given: argparse.Namespace, scenario: Scenario) -> Iterator[Live]:
     from ospace.visual.live import Live
 
     with Live(scenario) as live:
-        print(f"{given.scenario} at {live.address} (Ctrl-C ends)", flush=True)
+        print(f"{given.scenario} at {live.address}: runs when the page is opened (Ctrl-C ends)", flush=True)
+        live.wait()
         yield live
 
 
