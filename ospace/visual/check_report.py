@@ -106,6 +106,7 @@ def render(report: Report, description: Description, *, urdf: str, folders: Sequ
         report_style=page.own_text("report.css"),
         check_script=page.own_text("check.js"),
         words=words,
+        printable=printable,
         urdf=printable(urdf),
         report=report,
         subjects=list(seen.shown),
