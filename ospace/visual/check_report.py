@@ -260,9 +260,8 @@ def _layers(stage: Stage, figure: Figure, marks: Mapping[str, str]) -> list[Laye
 def _labels(stage: Stage, figure: Figure, marks: Mapping[str, str]) -> list[Label]:
     labels = []
     for link, severity in list(marks.items())[:_MOST_NAMES]:
-        node, T = figure.links[link]
         path = figure.of_link(link, "names")
-        stage.set_transform(path, T)
+        stage.set_transform(path, figure.links[link][1])
         labels.append(Label(f"{printable(link)}: {severity}", path, _NAMES))
     return labels
 
