@@ -46,7 +46,7 @@ class Figure:
     extents : list of (int, (8, 3))
         Number of a node, and corners of a box that holds a part of what stands on it, m.
     links : dict of link name to (int, (4, 4))
-        Number of the node it is on, and where its frame lies in that of the node, m.
+        Of a robot that a file describes: number of the node that a link is on, and its frame in that of the node, m.
     """
 
     nodes: list[str] = field(default_factory=list)
@@ -76,8 +76,8 @@ def of_robot(stage: Stage, root: str, robot: SpaceRobot, marked: Mapping[str, Co
     if description is None or robot.source is None:
         for j in range(1, model.njoints):
             own = model.inertias[j]
-            builder.inertia(j - 1, model.names[j], _Mass(own.mass, own.lever, own.inertia))
-            builder.box(j - 1, model.names[j], _Mass(own.mass, own.lever, own.inertia))
+            for show in (builder.inertia, builder.box):
+                show(j - 1, model.names[j], _Inertia(own.mass, own.lever, own.inertia))
     else:
         builder.describes(description, [robot.source, *robot.package_dirs])
         for frame in model.frames:
@@ -105,11 +105,8 @@ def of_description(
     return builder.figure
 
 
-class _Mass(NamedTuple):
-    """Mass, kg, its centre (3,), m, and tensor (3, 3) about it, kg m², in a node's axes.
-
-    Any tensor: `pin.Inertia` refuses those that no body has.
-    """
+class _Inertia(NamedTuple):
+    """Mass, its centre and the tensor about it; Pinocchio's own class takes none that is unsound."""
 
     mass: float
     centre: Floats
@@ -137,7 +134,7 @@ class _Builder:
     def link(self, link: Link, node: int, T: pin.SE3) -> None:
         """Show a link at `T` in the node's frame."""
         self.figure.links[link.name] = node, T.homogeneous
-        inertia = None if link.inertial is None else _mass(link.inertial, T)
+        inertia = None if link.inertial is None else _seen(link.inertial, T)
         if self.bare and inertia is not None:
             self.box(node, link.name, inertia)
         boxed = False
@@ -176,7 +173,7 @@ class _Builder:
             raise MeshError("mesh-unreadable", f"'{filename}' is none of {', '.join(_MESHES)}")
         return path
 
-    def inertia(self, node: int, name: str, inertia: _Mass) -> None:
+    def inertia(self, node: int, name: str, inertia: _Inertia) -> None:
         """Show the uniform ellipsoid of the same mass and moments; in red where there is none."""
         squares, axes, gross = _semi_axes_squared(inertia)
         if inertia.mass <= 0.0 or squares.max() <= 0.0:
@@ -186,7 +183,7 @@ class _Builder:
         self.stage.set_object(path, Ball(1.0), material(_WRONG if gross else _INERTIA))
         self.stage.set_transform(path, homogeneous(axes * lengths, inertia.centre))
 
-    def box(self, node: int, name: str, inertia: _Mass) -> None:
+    def box(self, node: int, name: str, inertia: _Inertia) -> None:
         """Show the uniform box of the same mass and moments, in place of what cannot be shown or is not there."""
         squares, axes, _ = _semi_axes_squared(inertia)
         if inertia.mass <= 0.0 or squares.max() <= 0.0:
@@ -204,13 +201,14 @@ class _Builder:
         return f"{own}/{name}"
 
 
-def _mass(inertial: Inertial, T: pin.SE3) -> _Mass:
+def _seen(inertial: Inertial, T: pin.SE3) -> _Inertia:
+    """Return the inertia of a link that stands at `T`."""
     R, centre = placement(inertial.pose)
     turn = T.rotation @ R
-    return _Mass(inertial.mass, T.act(centre), turn @ tensor_of(inertial) @ turn.T)
+    return _Inertia(inertial.mass, T.act(centre), turn @ tensor_of(inertial) @ turn.T)
 
 
-def _semi_axes_squared(inertia: _Mass) -> tuple[Floats, Floats, bool]:
+def _semi_axes_squared(inertia: _Inertia) -> tuple[Floats, Floats, bool]:
     """Return squares (3,) of the semi-axes of the uniform ellipsoid, m²; its axes as columns; whether it is none.
 
     With moments I_k = m/5 (a_i² + a_j²), a_k² = 5/2m (I_i + I_j − I_k), which is negative where no mass is spread so.
