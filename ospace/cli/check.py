@@ -100,10 +100,10 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
 
 def _check(given: argparse.Namespace) -> tuple[int, str]:
     from ospace.cli.main import EXIT_FINDINGS, find, package_dirs
-    from ospace.extras import require
+    from ospace.extras import require_scene
 
     if given.html:
-        require("meshcat", "a report")
+        require_scene("a report")
     file, folders = find(given.urdf), [Path(folder) for folder in package_dirs(given)]
     if given.html and given.html.exists() and file.exists() and given.html.samefile(file):
         given.refuse_usage(f"--html {given.html} is the robot itself")
