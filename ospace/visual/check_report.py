@@ -123,7 +123,7 @@ def breakdown(bodies: Sequence[Body]) -> list[Weight]:
     """Return links by mass, the heaviest first."""
     total = sum(body.mass for body in bodies)
     masses = [link.inertial.mass for body in bodies for link in body.weighed if link.inertial is not None]
-    parts = total > 0.0 and min(masses) >= 0.0  # a negative mass makes others more than the whole
+    parts = total > 0.0 and all(mass >= 0.0 for mass in masses)  # a negative mass makes others more than the whole
     weights = [
         Weight(
             printable(link.name),

@@ -232,6 +232,23 @@ def test_an_error_goes_before_a_warning_and_infos_colour_nothing(check):
     assert page.data("scene-data")["labels"] == []
 
 
+def test_a_link_with_an_error_and_a_warning_is_red(check):
+    wrong = INERTIAL.replace('"2"', '"-2"').replace('xyz="0.1 0 0.2"', 'xyz="0.1 0 0.2" rpy="90 0 0"')
+    _, document, page = check(link("base") + link("arm", wrong) + joint("a", "arm"))
+    assert {one["severity"] for one in document["findings"] if one["subject"] == "link 'arm'"} == {"error", "warning"}
+    assert [one["text"] for one in page.data("scene-data")["labels"]] == ["arm: error"]
+
+
+def test_a_link_with_a_shape_is_drawn_by_it_alone(check):
+    _, _, page = check(link("base") + link("arm", shape="") + joint("a", "arm"))
+    assert [path for path in page.colours() if "inertia box" in path] == []
+
+
+def test_a_negative_mass_leaves_no_shares(check):
+    _, _, page = check(TWO_FAULTS)
+    assert [row[:3] for row in page.rows("mass-table")] == [["base", "2", ""], ["hand", "2", ""], ["arm", "-2", ""]]
+
+
 def test_a_button_shows_the_links_of_its_finding(check):
     _, document, page = check(TWO_FAULTS)
     buttons = page.tree.xpath("//button[@data-shown]")
@@ -337,6 +354,14 @@ def test_names_are_text(check, name):
     assert [one["text"] for one in page.data("scene-data")["labels"]] == [f"{name}: error"]
     dots = [path for path in page.colours() if path.endswith("/dot")]
     assert [path.count("/") for path in dots] == [5]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_names_within_messages_are_text(check, name):
+    follows = joint("follow", "b").replace("</joint>", f"<mimic joint={quoted(name)}/></joint>")
+    _, document, page = check(link("base") + link("a") + link("b") + joint(name, "a") + follows)
+    assert any(name in one["message"] for one in document["findings"])
+    agree(document, page)
 
 
 def test_the_whole_robot_s_name_is_text(check):
