@@ -23,7 +23,7 @@ from ospace.validation.report import Report
 from ospace.visual import look, page
 from ospace.visual.figure import Figure, of_description
 from ospace.visual.page import Label, Layer
-from ospace.visual.solids import Ball, box_corners, material
+from ospace.visual.solids import GREY, Ball, box_corners, material
 from ospace.visual.stage import Stage
 
 COLOURS: dict[str, Colour] = {"error": (0.93, 0.13, 0.13, 1.0), "warning": (1.0, 0.62, 0.0, 1.0)}
@@ -32,7 +32,7 @@ _BACKGROUND: look.Background = "space"
 _SHOWN, _NAMES = "/shown", "names"  # node of the axes of the link that is shown, layer of names
 _TITLES = {"robot": "robot", "collision": "collision shapes", "inertia": "inertia of each link"}
 _LEGENDS = {"inertia": "uniform ellipsoids of the same mass and tensor; red: no mass is spread so"}
-_MARKING = "red: errors, amber: warnings; what is found at a joint colours the link that it carries"
+_MARKING = "red: errors, amber: warnings, grey: others; what is found at a joint colours the link that it carries"
 _MOST_NAMES = 12  # in the scene, gravest first
 _LARGEST = 1e12  # m, that a scene is drawn to
 _AXES, _DOT = 0.09, 0.02  # of the size of the robot: axes of a link that is shown, a link that has no shape
@@ -189,6 +189,8 @@ def picture(
     stage = Stage()
     with np.errstate(over="ignore", invalid="ignore"):  # shapes may have any size
         colours = {link: COLOURS[severity] for link, severity in marks.items()}
+        if marks:  # a robot may have red and amber parts of its own
+            colours = {link.name: GREY for link in description.links} | colours
         figure = of_description(stage, "/robot", description, folders, colours)
         at = {link: figure.rest[node] @ T for link, (node, T) in figure.links.items()}
         corners = np.concatenate([figure.corners(figure.rest), *(at[link][:3, 3:].T for link in marks)])

@@ -187,8 +187,9 @@ def test_the_page_asks_for_nothing_and_is_well_made(check):
 
 # -- the scene ---------------------------------------------------------------------------------------------------
 
+RED_BOX = BOX.replace("</visual>", '<material name="paint"><color rgba="1 0 0 1"/></material></visual>')
 TWO_FAULTS = (
-    link("base")
+    link("base", shape=RED_BOX)
     + link("arm", INERTIAL.replace('"2"', '"-2"'))
     + link("hand")
     + joint("shoulder", "arm")
@@ -209,7 +210,7 @@ def test_links_with_findings_are_coloured(check):
         for name in ("base", "arm", "hand")
     }
     assert of_link["arm"] == of_link["hand"] == hexadecimal("error")
-    assert of_link["base"] not in (hexadecimal("error"), hexadecimal("warning"))
+    assert of_link["base"] == 0xB8BDC7
     labels = [one["text"] for one in page.data("scene-data")["labels"]]
     assert sorted(labels) == ["arm: error", "hand: error"]
     legends = [one["legend"] for one in page.data("scene-data")["layers"]]
@@ -230,6 +231,8 @@ def test_an_error_goes_before_a_warning_and_infos_colour_nothing(check):
     assert {one["severity"] for one in document["findings"]} == {"info"}
     assert not {hexadecimal("error"), hexadecimal("warning")} & set(page.colours().values())
     assert page.data("scene-data")["labels"] == []
+    _, _, page = check(link("base", shape=RED_BOX))
+    assert next(colour for path, colour in page.colours().items() if "/link base/" in path) == 0xFF0000
 
 
 def test_a_link_with_an_error_and_a_warning_is_red(check):
