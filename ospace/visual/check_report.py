@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
@@ -121,8 +121,8 @@ def render(report: Report, description: Description, *, urdf: str, folders: Sequ
 
 def breakdown(bodies: Sequence[Body]) -> list[Weight]:
     """Return links by mass, the heaviest first."""
-    total = sum(body.mass for body in bodies)
     masses = [link.inertial.mass for body in bodies for link in body.weighed if link.inertial is not None]
+    total = sum(masses)
     parts = total > 0.0 and all(mass >= 0.0 for mass in masses)  # a negative mass makes others more than the whole
     weights = [
         Weight(
@@ -200,6 +200,7 @@ def picture(
         return _nothing(f"this robot cannot be drawn: something of it is larger than {_LARGEST:g} m")
     reach = 0.5 * float(np.linalg.norm(np.ptp(corners, axis=0)))
     look.surround(stage, _BACKGROUND, corners)
+    first = next((name for name, paths in figure.layers.items() if paths), "robot")
     for link in marks:
         if not any(shape.role == "visual" for shape in description.link[link].shapes):
             _dot(stage, figure, link, colours[link], _DOT * reach)
@@ -207,7 +208,7 @@ def picture(
     stage.set_property(_SHOWN, "visible", False)
     return Picture(
         stage,
-        _layers(stage, figure, marks),
+        _layers(stage, figure, {"robot", first}, named=bool(marks)),
         _labels(stage, figure, marks),
         _notes(figure, findings, marks),
         {
@@ -248,15 +249,17 @@ def _dot(stage: Stage, figure: Figure, link: str, colour: Colour, radius: float)
         figure.layers["robot"].append(layer)
 
 
-def _layers(stage: Stage, figure: Figure, marks: Mapping[str, str]) -> list[Layer]:
-    """Return the layers that hold something; the first one, as robots are seen, is shown."""
-    kept = {name: paths for name, paths in figure.layers.items() if paths}
-    first = next(iter(kept), "")
-    layers = [Layer(name, _TITLES[name], _LEGENDS.get(name, ""), paths, name == first) for name, paths in kept.items()]
+def _layers(stage: Stage, figure: Figure, shown: Collection[str], *, named: bool) -> list[Layer]:
+    """Return the layers that hold something, and that of names where links have any."""
+    layers = [
+        Layer(name, _TITLES[name], _LEGENDS.get(name, ""), paths, name in shown)
+        for name, paths in figure.layers.items()
+        if paths
+    ]
     for layer in layers:
         for path in layer.paths:
             stage.set_property(path, "visible", layer.shown)
-    return [*layers, *([Layer(_NAMES, "links with findings", _MARKING, [], True)] if marks else [])]
+    return [*layers, Layer(_NAMES, "links with findings", _MARKING, [], True)] if named else layers
 
 
 def _labels(stage: Stage, figure: Figure, marks: Mapping[str, str]) -> list[Label]:

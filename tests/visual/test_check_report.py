@@ -299,6 +299,16 @@ def test_a_robot_without_shapes_is_drawn_by_its_inertias(check):
     ]
 
 
+def test_a_robot_with_collision_shapes_alone_shows_them(check):
+    shape = BOX.replace("visual", "collision")
+    _, _, page = check(link("base", shape=shape) + link("arm", "", shape) + joint("shoulder", "arm"))
+    shown = {one["name"]: one["shown"] for one in page.data("scene-data")["layers"]}
+    assert shown == {"robot": True, "collision": True, "inertia": False, "names": True}
+    assert [path for path, colour in page.colours().items() if colour == hexadecimal("error")] == [
+        "/robot/body arm/robot/link arm/dot"
+    ]
+
+
 def test_a_mesh_that_is_missing_is_told_and_its_inertia_stands_in(check):
     _, document, page = check(link("base", shape=MESH) + link("arm") + joint("shoulder", "arm"))
     assert "mesh-missing" in {one["code"] for one in document["findings"]}
