@@ -30,6 +30,16 @@ _COLOURS = {
     "warning": "yellow",
     "info": "cyan",
 }
+_LIMITS = {
+    "bytes": "bytes of the file",
+    "nodes": "elements, attributes and comments",
+    "depth": "elements within each other",
+    "attributes": "attributes of an element",
+    "text": "characters of an attribute",
+    "links": "links",
+    "dof": "degrees of freedom",
+}
+"""Those of `ospace.Limits`, by their names."""
 
 
 def add_to(verbs: Any) -> None:
@@ -58,7 +68,7 @@ def add_to(verbs: Any) -> None:
         "--package-dir", metavar="DIR", action="append", default=[], help="where package:// names are looked up"
     )
     verb.add_argument("--free-mimic", action="store_true", help="take joints that mimic others as independent ones")
-    for name, what in (("bytes", "bytes of the file"), ("links", "links"), ("dof", "degrees of freedom")):
+    for name, what in _LIMITS.items():
         verb.add_argument(f"--max-{name}", metavar="N", type=_limit, help=f"{what} that are read at most")
     other = verb.add_mutually_exclusive_group()
     other.add_argument("--fix", metavar="OUT", help="write a repaired copy of URDF, and check nothing")
@@ -158,7 +168,7 @@ def _limits(given: argparse.Namespace) -> Limits:
     """Return the limits, raised where the command says so."""
     from ospace.urdf.source import Limits
 
-    raised = {name: getattr(given, f"max_{name}") for name in ("bytes", "links", "dof")}
+    raised = {name: getattr(given, f"max_{name}") for name in _LIMITS}
     return Limits(**{name: value for name, value in raised.items() if value is not None})
 
 

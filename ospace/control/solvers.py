@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +16,7 @@ Solver = Callable[[Program], Floats | None]
 """Returns z, or None where there is no solution."""
 _TOLERANCE = 1e-9
 _FINE = 1e-12
-_OPTIONS: dict[str, dict[str, float]] = {  # what others take a solution for is too rough for torques
+_OPTIONS: dict[str, dict[str, Any]] = {  # what others take a solution for is too rough for torques
     "clarabel": {"tol_gap_abs": _FINE, "tol_gap_rel": _FINE, "tol_feas": _FINE},
     "highs": {
         "primal_feasibility_tolerance": 1e-10,

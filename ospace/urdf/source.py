@@ -185,7 +185,7 @@ class _Scan:
     def _node(self, *given: object) -> None:
         self.nodes += 1
         if self.nodes > self.limits.nodes:
-            reason = f"has more than {self.limits.nodes} elements, attributes and comments"
+            reason = f"has more than {self.limits.nodes} elements, attributes and comments (--max-nodes)"
             self._refuse(reason, "too-many-nodes")
 
     def _start(self, name: str, attributes: dict[str, str]) -> None:
@@ -193,12 +193,12 @@ class _Scan:
         self.lines.append(self.parser.CurrentLineNumber)
         self.depth += 1
         if self.depth > self.limits.depth:
-            self._refuse(f"nests elements more than {self.limits.depth} deep", "too-deep")
+            self._refuse(f"nests elements more than {self.limits.depth} deep (--max-depth)", "too-deep")
         if len(attributes) > self.limits.attributes:
-            reason = f"<{name}> has {len(attributes)} attributes; at most {self.limits.attributes} are read"
+            reason = f"<{name}> has {len(attributes)} attributes; at most {self.limits.attributes} are read (--max-attributes)"
             self._refuse(reason, "too-many-attributes")
         if attributes and max(map(len, attributes.values())) > self.limits.text:
-            reason = f"<{name}> has an attribute of more than {self.limits.text} characters"
+            reason = f"<{name}> has an attribute of more than {self.limits.text} characters (--max-text)"
             self._refuse(reason, "too-long-attribute")
         if name.startswith("xacro:"):
             self._refuse(_UNEXPANDED, "xacro")

@@ -849,3 +849,11 @@ def test_a_robot_put_together_otherwise_is_found(monkeypatch, document):
     (row,) = differing(report)
     assert row.startswith("placements of ")
     assert status == 1
+
+
+@pytest.mark.parametrize("limit", dataclasses.fields(ospace.Limits), ids=lambda limit: limit.name)
+def test_every_limit_has_an_option(limit, capsys):
+    name, value = str(ospace.models.path("target")), str(limit.default)
+    assert main(["check", name, f"--max-{limit.name}", value, "--samples", "1"]) == 0
+    smallest = main(["check", name, f"--max-{limit.name}", "1", "--samples", "1"])
+    assert (smallest, f"--max-{limit.name}" in capsys.readouterr().err) == (2, True)
