@@ -195,7 +195,8 @@ class _Scan:
         if self.depth > self.limits.depth:
             self._refuse(f"nests elements more than {self.limits.depth} deep (--max-depth)", "too-deep")
         if len(attributes) > self.limits.attributes:
-            reason = f"<{name}> has {len(attributes)} attributes; at most {self.limits.attributes} are read (--max-attributes)"
+            most = self.limits.attributes
+            reason = f"<{name}> has {len(attributes)} attributes; at most {most} are read (--max-attributes)"
             self._refuse(reason, "too-many-attributes")
         if attributes and max(map(len, attributes.values())) > self.limits.text:
             reason = f"<{name}> has an attribute of more than {self.limits.text} characters (--max-text)"
