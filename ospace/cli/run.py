@@ -92,7 +92,10 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
             if result.interrupted:
                 return EXIT_INTERRUPTED, ""
             if live:
-                live.replay(result)
+                try:
+                    live.replay(result)
+                except KeyboardInterrupt:  # which is how a view ends well
+                    given.forgive_interrupt()
     return 0 if result.passed else EXIT_FINDINGS, text
 
 
@@ -108,16 +111,18 @@ def _run(given: argparse.Namespace, scenario: Scenario, watch: Any) -> Run:
 
 
 def _write(given: argparse.Namespace, result: Run) -> None:
+    from ospace.cli import progress
     from ospace.scenario import log
 
     if given.log:
         log.save(result, given.log)
     if given.csv:
         log.to_csv(result, given.csv)
-    if given.html:
+    if given.html and result.duration > 0.0:
         from ospace.visual import run_report
 
-        run_report.save(result, given.html)
+        with nullcontext() if given.headless else progress.bar(given, "drawing the report", 1):
+            run_report.save(result, given.html)
 
 
 @contextmanager
@@ -126,7 +131,8 @@ def _live(given: argparse.Namespace, scenario: Scenario) -> Iterator[Live]:
     from ospace.visual.live import Live
 
     with Live(scenario) as live:
-        print(f"{given.scenario} at {live.address} (Ctrl-C ends)", flush=True)
+        print(f"{given.scenario} at {live.address}: runs when the page is opened (Ctrl-C ends)", flush=True)
+        live.wait()
         yield live
 
 

@@ -102,10 +102,8 @@ def grasp(chaser: State, hand: OperationalPoint, target: State, fixture: Operati
     T_HT = hand.placement * at_hand.placement.inverse()
     joined = join(chaser.robot, hand.joint, target.robot, fixture.joint, T_HT)
     q, v = np.zeros(joined.robot.nq), np.zeros(joined.robot.nv)
-    for joints, one in ((joined.first_joints, after_c), (joined.second_joints, after_t)):
-        for j, k in joints.items():
-            q[_rows(joined.robot.model, k).q] = one.q[_rows(one.robot.model, j).q]
-            v[_rows(joined.robot.model, k).v] = one.v[_rows(one.robot.model, j).v]
+    for rows, one in ((joined.first, after_c), (joined.second, after_t)):
+        q[rows.joined_q], v[rows.joined_v] = one.q[rows.own_q], one.v[rows.own_v]
     return Grasp(
         state=joined.robot.state(*frame.leave_at(0.0, q, v)),
         impulse=impulse,
@@ -141,18 +139,16 @@ def release(held: Grasp, q: npt.ArrayLike, v: npt.ArrayLike) -> tuple[State, Sta
     frame = MovingFrame.of(combined)
     q, v = combined.beside_base()
     parts = []
-    for robot, joints in ((held.chaser.robot, joined.first_joints), (held.target.robot, joined.second_joints)):
+    for robot, rows in ((held.chaser.robot, joined.first), (held.target.robot, joined.second)):
         part_q, part_v = pin.neutral(robot.model), np.zeros(robot.nv)
-        for j, k in joints.items():
-            part_q[_rows(robot.model, j).q] = q[_rows(joined.robot.model, k).q]
-            part_v[_rows(robot.model, j).v] = v[_rows(joined.robot.model, k).v]
+        part_q[rows.own_q], part_v[rows.own_v] = q[rows.joined_q], v[rows.joined_v]
         parts.append((robot, part_q, part_v))
 
     # The target's base, from the link that is held: X = held link as seen from the base, moving by itself.
-    model, data = joined.robot.model, joined.robot.model.createData()
+    model, data = joined.robot.model, joined.robot.scratch.data
     pin.forwardKinematics(model, data, q, v)
     robot, part_q, part_v = parts[1]
-    own = robot.model.createData()
+    own = robot.scratch.data
     pin.forwardKinematics(robot.model, own, part_q, part_v)
     X = own.oMi[held._held]
     part_q[:7] = pin.SE3ToXYZQUAT(data.oMi[held._hand] * held._T_HT * X.inverse())
@@ -179,16 +175,3 @@ def _in_base_axes(state: State, change: Floats) -> Floats:
     """Return Pinocchio's v of a change of [ẋ_b; φ̇]."""
     R_BW = state.T_WB.rotation.T
     return np.concatenate([R_BW @ change[:3], R_BW @ change[3:6], change[6:]])
-
-
-@dataclass(frozen=True)
-class _Rows:
-    q: slice
-    v: slice
-
-
-def _rows(model: pin.Model, j: int) -> _Rows:
-    """Return where the numbers of joint `j` stand in q and v."""
-    return _Rows(
-        slice(model.idx_qs[j], model.idx_qs[j] + model.nqs[j]), slice(model.idx_vs[j], model.idx_vs[j] + model.nvs[j])
-    )

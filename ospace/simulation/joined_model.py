@@ -20,7 +20,7 @@ import numpy as np
 import pinocchio as pin
 
 from ospace.exceptions import OspaceError
-from ospace.kernels.tables import Floats
+from ospace.kernels.tables import Floats, Ints
 from ospace.robot import SpaceRobot
 
 _PER_VELOCITY = (  # the same limits bear older names too, which come first
@@ -41,6 +41,26 @@ _PER_VELOCITY = (  # the same limits bear older names too, which come first
 _PER_POSITION = ("lowerPositionLimit", "upperPositionLimit", "positionLimitMargin")
 
 
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Where the numbers of one of the two stand: index arrays into its own q and v, and into those of both."""
+
+    own_q: Ints
+    own_v: Ints
+    joined_q: Ints
+    joined_v: Ints
+
+    @classmethod
+    def of(cls, own: pin.Model, joined: pin.Model, joints: dict[int, int]) -> Rows:
+        """Find those of `joints`, by their number in either model."""
+        found = []
+        for model, numbers in ((own, joints.keys()), (joined, joints.values())):
+            for first, count in ((model.idx_qs, model.nqs), (model.idx_vs, model.nvs)):
+                each = [np.arange(first[j], first[j] + count[j], dtype=np.int64) for j in numbers]
+                found.append(np.concatenate([np.zeros(0, dtype=np.int64), *each]))
+        return cls(*found)
+
+
 @dataclass(frozen=True)
 class JoinedModel:
     """A robot made of two.
@@ -49,13 +69,16 @@ class JoinedModel:
     ----------
     robot : SpaceRobot
         Base, joint names and frame names of the first; names of the second that clash are prefixed with its own.
-    first_joints, second_joints : dict of int to int
-        Pinocchio's number in `robot` of each joint of the first, and of the second without its base.
+    first_joints : dict of int to int
+        Pinocchio's number in `robot` of each joint of the first.
+    first, second : Rows
+        Of the first, and of the second without its base.
     """
 
     robot: SpaceRobot
     first_joints: dict[int, int]
-    second_joints: dict[int, int]
+    first: Rows
+    second: Rows
 
 
 def join(first: SpaceRobot, at: int, second: SpaceRobot, held: int, T_AH: pin.SE3) -> JoinedModel:
@@ -74,7 +97,12 @@ def join(first: SpaceRobot, at: int, second: SpaceRobot, held: int, T_AH: pin.SE
         if j == last:
             builder.hang(held, builder.first_joints[at], T_AH, came_from=0)
     builder.add_frames(at)
-    return JoinedModel(SpaceRobot.from_model(builder.model), builder.first_joints, builder.second_joints)
+    robot = SpaceRobot.from_model(builder.model)
+    rows = (
+        Rows.of(one.model, robot.model, joints)
+        for one, joints in ((first, builder.first_joints), (second, builder.second_joints))
+    )
+    return JoinedModel(robot, builder.first_joints, *rows)
 
 
 class _Builder:

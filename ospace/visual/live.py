@@ -41,6 +41,11 @@ class Live:
     ) -> None:
         self._server.__exit__(kind, error, trace)
 
+    def wait(self) -> None:
+        """Wait until a page is open."""
+        while not self._server.viewers:
+            clock.sleep(_LONGEST)
+
     def watch(self, time: float, states: Moment) -> None:
         """Show the states at `time`, s, when it has come on the clock; for `ospace.scenario.run`."""
         if time < self._due:
@@ -54,5 +59,7 @@ class Live:
         self._scene.display(robot.q, robot.v, [] if target is None else [target.q])
 
     def replay(self, run: Run) -> None:
-        """Give the page the whole run as an animation."""
+        """Give the page the whole run as an animation, and serve it until Ctrl-C."""
         run_report.animate(self._scene, run)
+        while True:
+            clock.sleep(_LONGEST)

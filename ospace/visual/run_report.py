@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 
 from ospace.kernels.tables import Floats
-from ospace.robot import SpaceRobot
 from ospace.scenario import Run, Scenario, log, series, words
 from ospace.visual import page, plots
 from ospace.visual.scene import Scene
@@ -83,34 +82,29 @@ def scene_of(scenario: Scenario) -> Scene:
 
 def animate(scene: Scene, run: Run) -> None:
     """Show a run in the scene of its scenario."""
-    robot, target = run.scenario.robot, run.scenario.target
-    scene.animate(*(motion_of(run, one) for one in ([robot] if target is None else [robot, target.robot])))
+    scene.animate(*motions_of(run))
 
 
-def motion_of(run: Run, robot: SpaceRobot) -> WholeMotion:
-    """Return the motion of the chaser or the target of a run over all its segments.
-
-    Parameters
-    ----------
-    run : Run
-    robot : SpaceRobot
-        That of the scenario, or that of its target.
-    """
-    parts: list[tuple[Floats, Floats, Floats]] = []
+def motions_of(run: Run) -> tuple[WholeMotion, ...]:
+    """Return the motion of the chaser, and of the target if there is one, each over all segments of a run."""
+    parts: list[list[tuple[Floats, Floats, Floats]]] = [[], []]
     for segment in run.segments:
         trajectory = segment.trajectory
         if segment.held is not None:
-            mine = int(robot is not run.scenario.robot)
-            states = [segment.held.release(q, v)[mine] for q, v in zip(trajectory.q, trajectory.v, strict=True)]
-            parts.append((trajectory.time, np.array([one.q for one in states]), np.array([one.v for one in states])))
-        elif robot is run.scenario.robot:
-            parts.append((trajectory.time, trajectory.q, trajectory.v))
-        else:
-            parts.append((segment.target_time, segment.target_q, segment.target_v))
-    time = np.concatenate([one[0] for one in parts])
+            states = [segment.held.release(q, v) for q, v in zip(trajectory.q, trajectory.v, strict=True)]
+            for one, mine in zip(parts, zip(*states, strict=True), strict=True):
+                one.append((trajectory.time, np.array([own.q for own in mine]), np.array([own.v for own in mine])))
+            continue
+        parts[0].append((trajectory.time, trajectory.q, trajectory.v))
+        if segment.target is not None:
+            parts[1].append((segment.target_time, segment.target_q, segment.target_v))
+    return tuple(_joined(one) for one in parts if one)
+
+
+def _joined(parts: Sequence[tuple[Floats, Floats, Floats]]) -> WholeMotion:
+    time, q, v = (np.concatenate([one[k] for one in parts]) for k in range(3))
     later = np.r_[True, np.diff(np.maximum.accumulate(time)) > _SAME]  # a segment begins where the one before it ends
-    q, v = (np.concatenate([one[k] for one in parts])[later] for k in (1, 2))
-    return WholeMotion(time[later], q, v)
+    return WholeMotion(time[later], q[later], v[later])
 
 
 # -- what stands beside it ---------------------------------------------------------------------------------------
