@@ -1,0 +1,180 @@
+"""At any time, between records and keys too, the page has everything where the motion has it."""
+
+from pathlib import Path
+
+import missions
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import ospace
+from ospace import SpaceRobot
+from ospace.cli.main import main
+from ospace.simulation import simulate
+from ospace.simulation.reaction import FloatingMotion, sweep
+from ospace.visual import Scene, run_report
+
+pytestmark = pytest.mark.browser
+MODELS = Path(ospace.__file__).parents[1] / "models"
+NEAR = 1e-6  # m, and of rotation matrices
+
+
+def frame_pose(robot, q, name):
+    """Return the pose of a frame by Pinocchio, (4, 4)."""
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, q)
+    return data.oMf[robot.model.getFrameId(name)].homogeneous
+
+
+def from_frame(T, frame, elapsed):
+    """See a pose from the moving frame."""
+    seen = T.copy()
+    seen[:3, 3] -= frame.origin + elapsed * frame.velocity
+    return seen
+
+
+def test_a_run_with_a_grasp(open_page, tmp_path):
+    """Hand, base and target, before the grasp, while the target is held, and after its release."""
+    run = missions.flown(tmp_path)
+    assert [segment.held is not None for segment in run.segments] == [False, True, False]
+    robot, target = run.scenario.robot, run.scenario.target.robot
+    scene = run_report.scene_of(run.scenario)
+    run_report.animate(scene, run)
+    page = open_page(scene.html())
+    hand = next(label.path for label in scene.content().labels if label.text == "end_effector")
+    base = "/robots/0 planar_2r/base"
+    other = f"/robots/1 {target.name}/base"
+    ends = [segment.trajectory.time[[0, -1]] for segment in run.segments]
+    rng = np.random.default_rng(1)
+    times = np.sort(np.concatenate([rng.uniform(*end, 60) for end in ends]))
+    assert page.evaluate("ospace.duration()") == pytest.approx(run.duration, abs=1e-6)
+    found = page.along([hand, base, other], times)
+    target_base = target.frame_names[0]
+    worst = np.zeros(3)
+    for time, nodes in zip(times, found, strict=True):
+        segment = next(one for one, end in zip(run.segments, ends, strict=True) if time <= end[1])
+        combined, trajectory = segment.robot, segment.trajectory
+        q, _ = trajectory.at(combined, time)
+        if segment.held is None:
+            own_q = pin.interpolate(target.model, *around(segment.target_time, segment.target_q, time))
+            wanted_target = frame_pose(target, own_q, target_base)
+        else:
+            chaser, held = segment.held.release(q, np.zeros(combined.nv))
+            np.testing.assert_allclose(frame_pose(robot, chaser.q, "end_effector"), frame_pose(combined, q, "end_effector"))
+            wanted_target = frame_pose(target, held.q, target_base)
+        wanted = [frame_pose(combined, q, "end_effector"), frame_pose(combined, q, "base"), wanted_target]
+        seen = np.array([from_frame(T, scene.frame, time) for T in wanted])
+        worst = np.maximum(worst, np.abs(nodes - seen).max(axis=(1, 2)))
+    assert worst.max() < NEAR
+    moved = np.ptp(found[:, :, :3, 3], axis=0).max(axis=1)
+    assert moved[0] > 0.01  # and it does move
+    assert len({tuple(row) for row in np.round(found[:, 2, :3, :3].reshape(len(times), 9), 6)}) > 100
+
+
+def around(times, Q, time):
+    """Return the records before and after a time, and the share of the way between them."""
+    k = int(np.clip(np.searchsorted(times, time) - 1, 0, len(times) - 2))
+    return Q[k], Q[k + 1], float((time - times[k]) / (times[k + 1] - times[k]))
+
+
+def test_far_away_and_fast(open_page):
+    """7000 km from the origin, at 7.5 km/s: seen from the frame that moves along, every digit is there."""
+    robot = SpaceRobot.from_urdf(MODELS / "chaser_24dof.urdf")
+    rng = np.random.default_rng(2)
+    q = robot.configuration(T_WB=pin.SE3(pin.exp3(rng.normal(size=3)), np.array([7e6, -1e5, 3e5])))
+    v = np.r_[np.zeros(3), rng.normal(scale=0.2, size=3), rng.normal(scale=0.5, size=robot.n_joints)]
+    v[:3] = pin.XYZQUATToSE3(q[:7]).rotation.T @ [0.0, 7.5e3, 0.0]
+    run = simulate(robot, q, v, duration=1.5)
+    scene = Scene(robot, [robot.point("right_hand")])
+    scene.animate(run)
+    np.testing.assert_allclose(scene.frame.velocity, [0.0, 7.5e3, 0.0], atol=1e-9)
+    hand = next(label.path for label in scene.content().labels if label.text == "right_hand")
+    page = open_page(scene.html())
+    times = np.sort(rng.uniform(0.0, 1.5, 100))
+    found = page.along([hand], times)[:, 0]
+    for time, T in zip(times, found, strict=True):
+        # Interpolated as seen from the frame: between records of 7e6 m it would have nine digits less.
+        Q, _ = scene.frame.inverse.leave(run.time, run.q, run.v)
+        seen = frame_pose(robot, pin.interpolate(robot.model, *around(run.time, Q, time)), "right_hand")
+        np.testing.assert_allclose(T, seen, rtol=0, atol=3e-6)
+    records = run.time[:: len(run) // 20]
+    far = [from_frame(frame_pose(robot, run.at(robot, t)[0], "right_hand"), scene.frame, t) for t in records]
+    np.testing.assert_allclose(page.along([hand], records)[:, 0], far, rtol=0, atol=3e-6)
+    assert np.ptp(found[:, :3, 3], axis=0).max() > 0.05
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory):
+    """Return a robot, its sweep, and the page of `ospace view --sweep`."""
+    file = tmp_path_factory.mktemp("sweep") / "sweep.html"
+    assert main(["view", "planar_2r", "--pose", "joint_1=0.3", "--sweep", "--html", str(file)]) == 0
+    robot = SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")
+    return robot, sweep(robot, robot.configuration({"joint_1": 0.3})), file
+
+
+def test_a_sweep_keeps_the_centre_of_mass(open_page, swept):
+    robot, motion, file = swept
+    page = open_page(file)
+    model, data = robot.model, robot.model.createData()
+    nodes = ["/robots/0 planar_2r/base", "/robots/0 planar_2r/joint joint_1", "/robots/0 planar_2r/joint joint_2"]
+    duration = page.evaluate("ospace.duration()")
+    assert duration == pytest.approx(motion.time[-1], abs=1e-6)
+    times = np.sort(np.random.default_rng(4).uniform(0.0, duration, 200))
+    found = page.along([*nodes, "/quantities/mass centre", "/quantities/linear whole", "/quantities/angular whole"], times)
+    masses = np.array([model.inertias[j].mass for j in range(1, 4)])
+    levers = np.array([[*model.inertias[j].lever, 1.0] for j in range(1, 4)])
+    centres = np.einsum("j,tjab,jb->ta", masses, found[:, :3], levers)[:, :3] / masses.sum()
+    np.testing.assert_allclose(centres, centres[:1].repeat(len(times), axis=0), rtol=0, atol=NEAR)
+    np.testing.assert_allclose(found[:, 3, :3, 3], centres, rtol=0, atol=NEAR)
+    assert np.ptp(found[:, 0, :3, 3], axis=0).max() > 0.01  # the base does react
+    assert np.ptp(found[:, 0, :3, :3], axis=0).max() > 0.1
+    assert np.linalg.norm(found[:, 4:, :3, 2], axis=-1).max() < 2e-4  # no arrow of the whole momentum
+    for q, v in zip(motion.q, motion.v, strict=True):
+        h = pin.computeCentroidalMomentum(model, data, q, v).vector
+        assert np.abs(h).max() < 1e-9
+
+
+def test_between_all_records_too(open_page, swept):
+    """Every joint's node, half way between the records and everywhere else."""
+    robot, motion, file = swept
+    page = open_page(file)
+    start = motion.q[0, :3]
+    halfway = 0.5 * (motion.time[1:] + motion.time[:-1])[::7]
+    times = np.sort(np.r_[halfway, np.random.default_rng(7).uniform(0.0, motion.time[-1], 100)])
+    found = page.along(["/robots/0 planar_2r/joint joint_2"], times)[:, 0]
+    data = robot.model.createData()
+    worst = 0.0
+    for time, T in zip(times, found, strict=True):
+        pin.forwardKinematics(robot.model, data, pin.interpolate(robot.model, *around(motion.time, motion.q, time)))
+        wanted = data.oMi[3].homogeneous
+        wanted[:3, 3] -= start
+        worst = max(worst, np.abs(T - wanted).max())
+    assert worst < 3 * NEAR  # records 20 ms apart: the geodesic of joints is no straight line of bodies
+
+
+def test_the_player(open_page):
+    """Plays by itself to the end, stops there, and begins again; the slider and its words follow."""
+    robot = SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")
+    scene = Scene(robot)
+    q = np.array([robot.configuration({"joint_1": angle}) for angle in (0.0, 0.2, 0.4)])
+    scene.animate(FloatingMotion(np.array([0.0, 0.2, 0.5]), q, np.zeros((3, robot.nv))))
+    page = open_page(scene.html())
+    play, slider, clock = page.locator("#play"), page.locator("#time"), page.locator("#clock")
+    assert (play.inner_text(), play.get_attribute("aria-pressed"), clock.inner_text()) == ("Play", "false", "0.00 s")
+    assert float(slider.get_attribute("max")) == pytest.approx(0.5)
+    play.press("Enter")
+    page.until("() => document.getElementById('play').textContent === 'Play' && clock.textContent === '0.50 s'")
+    assert slider.get_attribute("aria-valuetext") == "0.50 s"
+    play.press("Enter")
+    page.until("() => document.getElementById('play').textContent === 'Pause' && Number(time.value) < 0.5")
+    slider.press("Home")
+    assert (clock.inner_text(), play.inner_text()) == ("0.00 s", "Play")
+    slider.fill("0.2")
+    assert clock.inner_text() == "0.20 s"
+    hand = next(label.path for label in scene.content().labels if label.text == "end_effector")
+    np.testing.assert_allclose(page.placed(hand)[0], frame_pose(robot, q[1], "end_effector"), rtol=0, atol=NEAR)
+
+
+def test_a_scene_that_stands_has_no_player(open_page):
+    page = open_page(Scene(SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")).html())
+    assert not page.locator("#player").is_visible()
