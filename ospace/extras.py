@@ -6,7 +6,7 @@ import importlib.util
 
 from ospace.exceptions import OspaceError
 
-_TITLES = {"matplotlib": "Matplotlib", "meshcat": "MeshCat", "collada": "pycollada"}
+_TITLES = {"matplotlib": "Matplotlib", "meshcat": "MeshCat", "jinja2": "Jinja"}
 
 
 def require(module: str, what: str) -> None:
@@ -21,3 +21,9 @@ def require(module: str, what: str) -> None:
     """
     if importlib.util.find_spec(module) is None:
         raise OspaceError(f"{what} needs {_TITLES.get(module, module)}: pip install 'ospace[visual]'")
+
+
+def require_scene(what: str) -> None:
+    """Likewise for all that a page with a scene is made with."""
+    for module in ("meshcat", "jinja2"):
+        require(module, what)

@@ -66,11 +66,11 @@ def find(scenario: str) -> Path:
 def run(given: argparse.Namespace) -> tuple[int, str]:
     """Run; return the exit status and the text to print."""
     from ospace.cli.main import EXIT_FINDINGS, EXIT_INTERRUPTED
-    from ospace.extras import require
+    from ospace.extras import require, require_scene
     from ospace.scenario import load
 
     if given.html or given.view:
-        require("meshcat", "a scene")
+        require_scene("a scene")
     if given.html:
         require("matplotlib", "a report")
     scenario = load(find(given.scenario))

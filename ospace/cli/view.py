@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 import sys
 import time as clock
+from contextlib import ExitStack
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ospace.cli import output
@@ -50,7 +52,7 @@ def add_to(verbs: Any) -> None:
     verb.add_argument("--background", choices=("space", "paper"), default="space", help="default: %(default)s")
     verb.add_argument("--html", metavar="FILE", type=output.file, help="write one file that any browser opens")
     verb.add_argument(
-        "--screenshot", metavar="PNG", type=output.file, help="write a picture, by a Chromium that is installed"
+        "--screenshot", metavar="PNG", type=_picture, help="write a picture, by a Chromium that is installed"
     )
     verb.add_argument(
         "--host", metavar="ADDRESS", default="127.0.0.1", help="address to serve at (default: %(default)s)"
@@ -65,6 +67,12 @@ def add_to(verbs: Any) -> None:
     verb.set_defaults(run=run, refuse_usage=verb.error)
 
 
+def _picture(text: str) -> Path:
+    if Path(text).suffix.lower() != ".png":
+        raise argparse.ArgumentTypeError(f"'{text}' does not end in .png")
+    return output.file(text)
+
+
 def _port(text: str) -> int:
     if not text.isdecimal() or not 1 <= int(text) <= 65535:
         raise argparse.ArgumentTypeError(f"'{text}' is not a port from 1 to 65535")
@@ -74,24 +82,22 @@ def _port(text: str) -> int:
 def run(given: argparse.Namespace) -> tuple[int, str]:
     """Show; return the exit status and the text to print."""
     from ospace.cli.main import find, package_dirs
-    from ospace.extras import require
+    from ospace.extras import require_scene
     from ospace.robot import SpaceRobot
+    from ospace.visual import browser
 
-    require("meshcat", "a scene")
+    require_scene("a scene")
+    if given.screenshot:
+        browser.find()  # before any work is done
     robot = SpaceRobot.from_urdf(find(given.urdf), package_dirs(given), free_mimic=given.free_mimic)
     q = robot.configuration(_pose(given.pose, robot))
-    motion = None
-    if given.sweep:
-        from ospace.simulation.reaction import sweep
-
-        motion = sweep(robot, q)
     scene = _scene(given, robot)
     scene.display(q)
     for finding in scene.findings:
         print(f"ospace: {finding}", file=sys.stderr)
     if given.html or given.screenshot:
-        return 0, _write(given, scene, motion)
-    return _serve(given, scene, motion)
+        return 0, _write(given, scene, q)
+    return _serve(given, scene, _sweep(given, robot, q) if given.sweep else None)
 
 
 def _scene(given: argparse.Namespace, robot: SpaceRobot) -> Scene:
@@ -124,19 +130,32 @@ def _pose(text: str, robot: SpaceRobot) -> dict[str, float]:
     return positions
 
 
-def _write(given: argparse.Namespace, scene: Scene, motion: FloatingMotion | None) -> str:
+def _sweep(given: argparse.Namespace, robot: SpaceRobot, q: Floats) -> FloatingMotion:
+    from ospace.cli import progress
+    from ospace.simulation.reaction import sweep
+
+    with progress.bar(given, "moving every joint through its range", 1):
+        return sweep(robot, q)
+
+
+def _write(given: argparse.Namespace, scene: Scene, q: Floats) -> str:
+    from ospace.cli import progress
     from ospace.visual import browser
 
     written = []
-    if given.screenshot:
-        browser.find()  # before anything is written
-        browser.screenshot(scene.html(), given.screenshot)
-        written.append(f"wrote {given.screenshot}\n")
-    if given.html:
-        if motion is not None:
-            scene.animate(motion)
-        scene.save_html(given.html)
-        written.append(f"wrote {given.html}: {given.html.stat().st_size / 1e6:.1f} MB, opened by any browser\n")
+    with ExitStack() as files:
+        for file in filter(None, (given.screenshot, given.html)):
+            files.enter_context(output.writable(file))
+        if given.screenshot:
+            browser.screenshot(scene.html(), given.screenshot)
+            written.append(f"wrote {given.screenshot}\n")
+        if given.html:
+            if given.sweep:
+                motion = _sweep(given, scene.robot, q)
+                with progress.bar(given, "drawing the motion", 1):
+                    scene.animate(motion)
+            scene.save_html(given.html)
+            written.append(f"wrote {given.html}: {given.html.stat().st_size / 1e6:.1f} MB, opened by any browser\n")
     return "".join(written)
 
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
-from ospace.control import Command, Controller
+from ospace.control import Command, Controller, Function
 from ospace.control.references import Reference
 from ospace.exceptions import SimulationError
 from ospace.kernels.tables import Floats
@@ -61,7 +61,7 @@ class _Phase:
 
     def __init__(self, plan: PhasePlan, scenario: Scenario, start: Start, shared: dict[str, Reference]) -> None:
         self.plan, self.first, self.period = plan, start.cycle, start.period
-        tasks = []
+        tasks, self._ways = [], []
         for one in plan.tasks:
             own = one.key.startswith(plan.key)
             reference = start.reference(one) if own else shared.get(one.name)
@@ -69,6 +69,8 @@ class _Phase:
                 reference = start.reference(one)
             if not own and reference is not None:
                 shared[one.name] = reference
+            if isinstance(reference, Function):
+                self._ways.append(reference.motion)
             tasks.append(one.task(start.robot, reference))
         self.controller = Controller(
             start.robot,
@@ -84,6 +86,8 @@ class _Phase:
         self.outcome: Outcome | None = None
 
     def update(self, cycle: int, time: float, q: Floats, v: Floats) -> Command:
+        for way in self._ways:
+            way(time)  # where a target moves to is computed ahead, and no part of the control cycle
         command = self.controller.update(time, q, v)
         self.recording.take(time, q, command)
         elapsed = (cycle + 1 - self.first) * self.period  # when this command has acted

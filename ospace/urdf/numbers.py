@@ -77,6 +77,8 @@ def _reason(word: str) -> str:
         return "is not finite"
     if re.fullmatch(r"[+-]?0[xX][0-9a-fA-F.pP+-]+", word):
         return "is hexadecimal"
+    if _PLAIN.fullmatch(word.removesuffix(",")):
+        return f"has a comma behind '{word.removesuffix(',')}', where white space alone separates numbers"
     if _PLAIN.fullmatch(word.replace(",", ".", 1)):
         return "has a decimal comma"
     leading = _PLAIN.match(word)

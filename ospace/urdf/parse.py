@@ -307,7 +307,9 @@ class _Reader:
     def _unreadable(self, element: etree._Element, key: str, text: str, error: NumberError) -> None:
         out_of_range = isinstance(error, RangeError) and self.code != "visual-unreadable"
         code = "number-range" if out_of_range else self.code
-        self._add(code, f"{key}='{text}' of <{_tag(element)}> {error}", element, text)
+        boundless = _tag(element) == "limit" and text.strip().lower().lstrip("+-") in ("inf", "infinity")
+        hint = "; for no limit write a number that is never reached, such as 1e9" if boundless else ""
+        self._add(code, f"{key}='{text}' of <{_tag(element)}> {error}{hint}", element, text)
 
     # -- what is not read ------------------------------------------------------------------------------------
 

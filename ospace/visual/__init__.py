@@ -13,6 +13,9 @@ __all__ = ["Scene"]
 def __getattr__(name: str) -> Any:
     if name != "Scene":
         raise AttributeError(f"module 'ospace.visual' has no attribute '{name}'")
+    from ospace.extras import require_scene
+
+    require_scene("a scene")
     from ospace.visual.scene import Scene
 
     return Scene

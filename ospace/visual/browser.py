@@ -51,8 +51,17 @@ def flags() -> list[str]:
     return [*FLAGS, *(["--no-sandbox"] if root else [])]  # which Chromium refuses to root
 
 
-def screenshot(page: str, path: Path, size: tuple[int, int] = (1000, 700)) -> None:
+def screenshot(page: str, path: Path, size: tuple[int, int] = (1000, 700), part: str = "") -> None:
     """Draw a page, as HTML, into a PNG file.
+
+    Parameters
+    ----------
+    page : str
+    path : Path
+    size : (int, int)
+        Pixels.
+    part : str
+        What follows ``#`` in the address: ``t=14.7`` is that time of an animation, ``bare`` the picture alone.
 
     Raises
     ------
@@ -71,7 +80,7 @@ def screenshot(page: str, path: Path, size: tuple[int, int] = (1000, 700)) -> No
             f"--window-size={size[0]},{size[1]}",
             f"--virtual-time-budget={_VIRTUAL}",
             f"--screenshot={picture}",
-            source.as_uri(),
+            f"{source.as_uri()}#{part}",
         ]
         try:
             ended = subprocess.run(command, capture_output=True, timeout=_TIME, check=False)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -67,8 +68,9 @@ def of_robot(stage: Stage, root: str, robot: SpaceRobot, marked: Mapping[str, Co
         builder.node(f"{root}/joint {component(model.names[j])}" if j > 1 else f"{root}/base", data.oMi[j].homogeneous)
     if description is None or robot.source is None:
         for j in range(1, model.njoints):
-            builder.inertia(j - 1, model.names[j], model.inertias[j])
-            builder.box(j - 1, model.names[j], model.inertias[j])
+            own = model.inertias[j]
+            for show in (builder.inertia, builder.box):
+                show(j - 1, model.names[j], _Inertia(own.mass, own.lever, own.inertia))
     else:
         builder.folders = [robot.source, *robot.package_dirs]
         for frame in model.frames:
@@ -96,6 +98,14 @@ def of_description(
     return builder.figure
 
 
+class _Inertia(NamedTuple):
+    """Mass, its centre and the tensor about it; Pinocchio's own class takes none that is unsound."""
+
+    mass: float
+    centre: Floats
+    tensor: Floats
+
+
 class _Builder:
     def __init__(self, stage: Stage, marked: Mapping[str, Colour]) -> None:
         self.stage, self.marked = stage, marked
@@ -110,7 +120,7 @@ class _Builder:
 
     def link(self, link: Link, node: int, T: pin.SE3) -> None:
         """Show a link at `T` in the node's frame."""
-        inertia = None if link.inertial is None else T.act(_inertia(link.inertial))
+        inertia = None if link.inertial is None else _seen(link.inertial, T)
         boxed = False
         for k, shape in enumerate(link.shapes):
             try:
@@ -147,7 +157,7 @@ class _Builder:
             raise MeshError("mesh-unreadable", f"'{filename}' is none of {', '.join(_MESHES)}")
         return path
 
-    def inertia(self, node: int, name: str, inertia: pin.Inertia) -> None:
+    def inertia(self, node: int, name: str, inertia: _Inertia) -> None:
         """Show the uniform ellipsoid of the same mass and moments; in red where there is none."""
         squares, axes, gross = _semi_axes_squared(inertia)
         if inertia.mass <= 0.0 or squares.max() <= 0.0:
@@ -155,9 +165,9 @@ class _Builder:
         lengths = np.sqrt(np.maximum(squares, _THIN**2 * squares.max()))
         path = self._path(node, "inertia", component(f"link {name}"))
         self.stage.set_object(path, Ball(1.0), material(_WRONG if gross else _INERTIA))
-        self.stage.set_transform(path, homogeneous(axes * lengths, inertia.lever))
+        self.stage.set_transform(path, homogeneous(axes * lengths, inertia.centre))
 
-    def box(self, node: int, name: str, inertia: pin.Inertia) -> None:
+    def box(self, node: int, name: str, inertia: _Inertia) -> None:
         """Show the uniform box of the same mass and moments, in place of what cannot be shown."""
         squares, axes, _ = _semi_axes_squared(inertia)
         if inertia.mass <= 0.0 or squares.max() <= 0.0:
@@ -165,8 +175,8 @@ class _Builder:
         sides = 2.0 * np.sqrt(0.6 * np.maximum(squares, _THIN**2 * squares.max()))
         path = self._path(node, "robot", component(f"link {name}") + "/inertia box")
         self.stage.set_object(path, g.Box(sides.tolist()), material(self.marked.get(name, _IN_PLACE_OF_MESH)))
-        self.stage.set_transform(path, homogeneous(axes, inertia.lever))
-        self.figure.extents.append((node, box_corners(homogeneous(axes, inertia.lever), 0.5 * sides)))
+        self.stage.set_transform(path, homogeneous(axes, inertia.centre))
+        self.figure.extents.append((node, box_corners(homogeneous(axes, inertia.centre), 0.5 * sides)))
 
     def _path(self, node: int, layer: str, name: str) -> str:
         own = f"{self.figure.nodes[node]}/{layer}"
@@ -175,17 +185,19 @@ class _Builder:
         return f"{own}/{name}"
 
 
-def _inertia(inertial: Inertial) -> pin.Inertia:
+def _seen(inertial: Inertial, T: pin.SE3) -> _Inertia:
+    """Return the inertia of a link that stands at `T`."""
     R, centre = placement(inertial.pose)
-    return pin.Inertia(inertial.mass, centre, R @ tensor_of(inertial) @ R.T)
+    turn = T.rotation @ R
+    return _Inertia(inertial.mass, T.act(centre), turn @ tensor_of(inertial) @ turn.T)
 
 
-def _semi_axes_squared(inertia: pin.Inertia) -> tuple[Floats, Floats, bool]:
+def _semi_axes_squared(inertia: _Inertia) -> tuple[Floats, Floats, bool]:
     """Return squares (3,) of the semi-axes of the uniform ellipsoid, m²; its axes as columns; whether it is none.
 
     With moments I_k = m/5 (a_i² + a_j²), a_k² = 5/2m (I_i + I_j − I_k), which is negative where no mass is spread so.
     """
-    moments, axes = np.linalg.eigh(inertia.inertia)
+    moments, axes = np.linalg.eigh(inertia.tensor)
     if np.linalg.det(axes) < 0.0:
         axes[:, 0] *= -1.0
     squares = 2.5 / inertia.mass * (moments.sum() - 2.0 * moments) if inertia.mass > 0.0 else np.zeros(3)

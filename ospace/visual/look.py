@@ -83,11 +83,12 @@ def surround(stage: Stage, background: Background, corners: Floats, along: Float
         "/Lights/FillLight",
     ):
         stage.set_property(default, "visible", False)
-    stage.set_property("/Lights/AmbientLight/<object>", "intensity", 0.42 if background == "space" else 0.62)
+    ambient, sun = (0.42, 0.85) if background == "space" else (0.55, 0.5)
+    stage.set_property("/Lights/AmbientLight/<object>", "intensity", ambient)
     for name, colour, intensity, direction in (
-        ("Sun", 0xFFF6E8, 0.85, _SUN),
+        ("Sun", 0xFFF6E8, sun, _SUN),
         ("Earthshine", 0x9DB8FF, 0.28, np.array([-0.6, 0.9, -0.5])),
-        ("Front", 0xFFFFFF, 0.22, _VIEW),
+        ("Front", 0xFFFFFF, 0.25 * sun, _VIEW),
     ):
         position = 3.0 * reach * direction / np.linalg.norm(direction)
         stage.set_object(f"/Lights/{name}", _Light(colour, intensity, centre + position, 1.3 * reach))

@@ -20,7 +20,7 @@ _WEB = Path(__file__).with_name("web")
 _MESHCAT = Path(meshcat.__file__).with_name("viewer") / "dist" / "main.min.js"
 
 
-@dataclass
+@dataclass(frozen=True)
 class Layer:
     """What can be switched on and off.
 

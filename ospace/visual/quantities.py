@@ -32,7 +32,7 @@ from ospace.visual.stage import Stage, component
 
 _MASS: Colour = (0.95, 0.35, 0.75, 0.38)
 _FLOATING: Colour = (0.15, 0.85, 0.95, 0.45)
-_HELD: Colour = (0.85, 0.88, 0.92, 0.22)
+_HELD: Colour = (0.62, 0.66, 0.74, 0.34)
 _CENTRE = 0xFFD23F
 _MOMENTA = {"linear": 0x3FA7FF, "angular": 0xFF6BD6}
 _PARTS = ("whole", "base", "arms")

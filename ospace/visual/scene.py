@@ -85,7 +85,7 @@ class Scene:
     points : sequence of OperationalPoint, optional
         Shown as triads with names, and with ellipsoids; the first 8 leaf links without it.
     show : iterable of str
-        Names of the layers shown at first, of `LAYER_NAMES`; the others can be switched on in the page.
+        Names of the layers shown at first, of `LAYERS`; the others can be switched on in the page.
     background : "space" or "paper"
     marked : mapping of link name to (red, green, blue, opacity), optional
         Links in other colours than their own, parts from 0 to 1.
@@ -143,11 +143,12 @@ class Scene:
         reach = 0.5 * float(np.linalg.norm(np.ptp(self._players[0].corners(rest), axis=0)))
         self._labels = [self._triad(point, k, 0.09 * reach) for k, point in enumerate(points)]
         self._quantities = [one(self.stage, "/quantities", points, reach) for one in QUANTITIES]
-        self._layers = {name: Layer(name, LAYERS[name], _LEGENDS.get(name, ""), [], name in shown) for name in LAYERS}
-        self._layers["points"].paths += [label.path for label in self._labels]
-        for quantity in self._quantities:
-            self._layers[quantity.name].paths += quantity.paths
-            self._layers[quantity.name].legend = quantity.legend
+        legends = _LEGENDS | {one.name: one.legend for one in self._quantities}
+        paths = {one.name: one.paths for one in self._quantities} | {"points": [label.path for label in self._labels]}
+        self._layers = {
+            name: Layer(name, title, legends.get(name, ""), list(paths.get(name, [])), name in shown)
+            for name, title in LAYERS.items()
+        }
         self._labels.append(Label("centre of mass", self._quantities[0].paths[0], "mass-centre"))
         self._enlist(self._players[0])
         self._place(robot.state(rest))
@@ -162,7 +163,7 @@ class Scene:
 
     def _enlist(self, player: _Player) -> None:
         for name, paths in player.figure.layers.items():
-            self._layers[name].paths += paths
+            self._layers[name].paths.extend(paths)
         for layer in self._layers.values():
             for path in layer.paths:
                 self.stage.set_property(path, "visible", layer.shown)

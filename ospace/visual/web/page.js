@@ -6,8 +6,13 @@
   const byId = (id) => document.getElementById(id);
   const pane = byId("pane"), player = byId("player"), slider = byId("time"), clock = byId("clock"), play = byId("play");
   const viewer = new MeshCat.Viewer(pane);
-  const fit = viewer.set_3d_pane_size;
-  viewer.set_3d_pane_size = () => fit.call(viewer, pane.clientWidth, pane.clientHeight);
+  const fit = viewer.set_3d_pane_size, WIDE = 1.25;
+  let field = viewer.camera.fov;
+  viewer.set_3d_pane_size = () => {
+    const narrow = Math.max(1, (WIDE * pane.clientHeight) / pane.clientWidth); // nothing is cut off at the sides
+    viewer.camera.fov = (360 / Math.PI) * Math.atan(narrow * Math.tan((field * Math.PI) / 360));
+    fit.call(viewer, pane.clientWidth, pane.clientHeight);
+  };
   new ResizeObserver(() => viewer.set_3d_pane_size()).observe(pane);
   viewer.controls.enableKeys = false;
 
@@ -15,6 +20,10 @@
   viewer.set_property = (path, property, value) => {
     set.call(viewer, path, property, value);
     if (property === "target") viewer.controls.target.fromArray(value); // where the camera looks to
+    if (property === "fov") {
+      field = value;
+      viewer.set_3d_pane_size();
+    }
   };
 
   const split = (path) => path.split("/").filter(Boolean);
@@ -136,6 +145,12 @@
     requestAnimationFrame(frame);
   }
   const ready = data.live ? Promise.resolve(connect()) : load();
-  ready.then(() => requestAnimationFrame(frame));
+  // #t=14.7 opens the page at that time, #bare leaves the picture alone
+  const asked = new URLSearchParams(location.hash.slice(1));
+  document.body.classList.toggle("bare", asked.has("bare"));
+  ready.then(() => {
+    if (asked.has("t") && duration() > 0) seek(Number(asked.get("t")) || 0);
+    requestAnimationFrame(frame);
+  });
   window.ospace = { viewer, node, seek, duration, ready, show, data };
 })();
