@@ -12,7 +12,9 @@ _PLACE = """
   const back = scene.matrixWorld.clone().invert();  // meshcat's scene stands with its z axis upwards
   const place = (one) => one.matrixWorld.clone().premultiply(back);
 """
-_MESHES = f"""() => {{{_PLACE}""" """
+_MESHES = (
+    f"""() => {{{_PLACE}"""
+    """
   const found = [], at = new THREE.Vector3();
   scene.traverse((one) => {
     if (!one.isMesh) return;
@@ -31,6 +33,7 @@ _MESHES = f"""() => {{{_PLACE}""" """
   });
   return found;
 }"""
+)
 _PLACED = f"""(paths) => {{{_PLACE} return paths.map((path) => place(ospace.node(path)).elements); }}"""
 _ALONG = f"""([paths, times]) => times.map((time) => {{
   ospace.seek(time); {_PLACE}

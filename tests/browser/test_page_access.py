@@ -1,5 +1,6 @@
 """Without a mouse and without a screen: keys, names, headings, tables, and words for what is drawn."""
 
+import itertools
 from pathlib import Path
 
 import missions
@@ -97,7 +98,7 @@ def said(page):
     assert page.locator("main").count() == 1
     levels = page.locator("h1, h2, h3, h4, h5, h6").evaluate_all(HEADINGS)
     assert levels[0] == 1
-    assert all(after <= before + 1 for before, after in zip(levels[:-1], levels[1:], strict=True))
+    assert all(after <= before + 1 for before, after in itertools.pairwise(levels))
     assert page.evaluate(UNNAMED) == []
     pane = page.locator("#pane")
     assert pane.get_attribute("role") == "img"

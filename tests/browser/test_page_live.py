@@ -24,7 +24,9 @@ pytestmark = pytest.mark.browser
 ROOT = Path(ospace.__file__).parents[1]
 SECONDS = 60
 ENDED = "() => document.getElementById('status').textContent.includes('has ended')"
-WHOLE = "(count) => { let n = 0; ospace.viewer.scene.traverse((one) => { n += one.isMesh ? 1 : 0; }); return n >= count; }"
+WHOLE = (
+    "(count) => { let n = 0; ospace.viewer.scene.traverse((one) => { n += one.isMesh ? 1 : 0; }); return n >= count; }"
+)
 SHORT = """
 name = "A short one"
 [robot]

@@ -56,7 +56,9 @@ def test_tables_are_those_of_the_log(report, reported):
     for phase in kept.phases:
         for k, (task, errors) in enumerate(phase.errors.items()):
             norms = [
-                ", ".join(shown(norm, unit) for norm, unit in zip(row, errors.units, strict=True) if not math.isnan(norm))
+                ", ".join(
+                    shown(norm, unit) for norm, unit in zip(row, errors.units, strict=True) if not math.isnan(norm)
+                )
                 for row in (errors.norms.max(axis=0), errors.norms[-1])
             ]
             begin = [phase.name, f"{phase.start:.3f}", f"{phase.end:.3f}", phase.outcome] if k == 0 else []

@@ -70,9 +70,12 @@ def bounds(robot, T, shape):
 def random_configuration(robot, seed):
     rng = np.random.default_rng(seed)
     turn = pin.Quaternion(pin.exp3(rng.normal(size=3))).coeffs()
-    return np.asarray(
-        pin.integrate(robot.model, pin.neutral(robot.model), np.r_[np.zeros(6), rng.uniform(-1, 1, robot.nv - 6)])
-    ) + np.r_[rng.normal(size=3), turn - [0, 0, 0, 1], np.zeros(robot.nq - 7)]
+    return (
+        np.asarray(
+            pin.integrate(robot.model, pin.neutral(robot.model), np.r_[np.zeros(6), rng.uniform(-1, 1, robot.nv - 6)])
+        )
+        + np.r_[rng.normal(size=3), turn - [0, 0, 0, 1], np.zeros(robot.nq - 7)]
+    )
 
 
 @pytest.mark.parametrize("name", ["chaser_24dof", *MESHED])
