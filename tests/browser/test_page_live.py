@@ -24,9 +24,6 @@ pytestmark = pytest.mark.browser
 ROOT = Path(ospace.__file__).parents[1]
 SECONDS = 60
 ENDED = "() => document.getElementById('status').textContent.includes('has ended')"
-WHOLE = (
-    "(count) => { let n = 0; ospace.viewer.scene.traverse((one) => { n += one.isMesh ? 1 : 0; }); return n >= count; }"
-)
 SHORT = """
 name = "A short one"
 [robot]
@@ -110,14 +107,6 @@ def follows(page, scene, q):
     pin.framesForwardKinematics(robot.model, data, q)
     wanted = data.oMf[robot.model.getFrameId("end_effector")].homogeneous
     page.until(AT, [hand(scene), wanted.T.ravel().tolist()])
-
-
-def whole(page, scene):
-    """Wait until the page has all solids of the scene."""
-    objects = sum(b"set_object" in command for command in scene.stage.commands())
-    assert objects > 30
-    page.until(WHOLE, objects - 1)  # but for lights and stars
-    return objects
 
 
 def test_all_pages_follow(open_page, scene, server, robot):
