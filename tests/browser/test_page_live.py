@@ -6,7 +6,6 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -209,15 +208,3 @@ def test_run_with_a_view(open_page, tmp_path):
         assert (status, [line for line in err.splitlines() if "compiling" not in line]) == (0, [])
         assert out.rstrip().splitlines()[-1].startswith("passed: ")
         page.until(ENDED)
-
-
-def test_another_address_when_asked(open_page):
-    """--host and --port are taken."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.2", 0))
-        port = probe.getsockname()[1]
-    with command("view", "planar_2r", "--host", "127.0.0.2", "--port", port) as (process, address):
-        assert address == f"http://127.0.0.2:{port}/"
-        began = time.monotonic()
-        assert interrupted(process)[0] == 0
-        assert time.monotonic() - began < SECONDS
