@@ -14,6 +14,19 @@ from ospace.kernels.tables import Floats
 Solver = Callable[[Program], Floats | None]
 """Returns z, or None where there is no solution."""
 _TOLERANCE = 1e-9
+_FINE = 1e-12
+_OPTIONS: dict[str, dict[str, float]] = {  # what others take a solution for is too rough for torques
+    "clarabel": {"tol_gap_abs": _FINE, "tol_gap_rel": _FINE, "tol_feas": _FINE},
+    "highs": {
+        "primal_feasibility_tolerance": 1e-10,
+        "dual_feasibility_tolerance": 1e-10,
+        "qp_regularization_value": 0.0,
+    },
+    "osqp": {"eps_abs": 1e-11, "eps_rel": 0.0, "max_iter": 200_000, "polishing": False},
+    "piqp": {"eps_abs": _FINE, "eps_rel": 0.0},
+    "scs": {"eps_abs": _TOLERANCE, "eps_rel": 0.0, "max_iters": 200_000},
+}
+_ROUGH = {"ecos": "solves by second-order cones, which leaves half of the digits"}
 
 
 def solver_named(name: str) -> Solver:
@@ -24,7 +37,11 @@ def solver_named(name: str) -> Solver:
         return _proxqp
     import qpsolvers
 
-    known = ["daqp", "proxqp", *qpsolvers.dense_solvers]
+    known = list(dict.fromkeys(["daqp", "proxqp", *qpsolvers.available_solvers]))
+    if name in _ROUGH:
+        raise OspaceError(
+            f"solver '{name}' {_ROUGH[name]}: take one of {', '.join(one for one in known if one != name)}"
+        )
     if name not in known:
         raise OspaceError(f"solver '{name}' is unknown, or not installed{closest(str(name), known)}")
     return lambda program: _by_qpsolvers(program, name)
@@ -61,7 +78,7 @@ def _by_qpsolvers(program: Program, name: str) -> Floats | None:
         warnings.simplefilter("ignore")  # on formats, and on problems without a solution, which is told here
         problem = qpsolvers.Problem(program.H, program.f, G, h, rows[equal], program.upper[equal])
         try:
-            found = qpsolvers.solve_problem(problem, name)
+            found = qpsolvers.solve_problem(problem, name, **_OPTIONS.get(name, {}))
         except (qpsolvers.exceptions.QPError, ValueError):
             return None
     return found.x if found.found else None

@@ -108,7 +108,7 @@ def test_an_existing_file_is_written_anew(plot, logged, tmp_path):
         (["first.npz", "--quantity", "momentum-error"], f"no momentum-error in first: there are {NAMES}"),
         (["first.npz", "--out", "x.doc"], "ends neither in .svg nor .png nor .pdf"),
         (["first.npz", "--out", "nowhere/x.svg"], "no such folder 'nowhere'"),
-        (["first.npz", "--out", "folder.svg"], "Is a directory"),
+        (["first.npz", "--out", "folder.svg"], "is a folder"),
         (["log.svg"], "is a log to read"),
         (["first.npz", "log.svg", "--out", "log.svg"], "log.svg: is a log to read; give another file with --out"),
         (["first.npz", "--out", "link.svg"], "link.svg: is a log to read"),

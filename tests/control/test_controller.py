@@ -5,6 +5,7 @@ import itertools
 import numpy as np
 import pinocchio as pin
 import pytest
+import qpsolvers
 import trees
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -440,7 +441,16 @@ def test_levels_keep_limits(chaser, hand, head):
     assert (np.abs(command.joint_acceleration) <= 5.0 + 1e-4).all()
 
 
-@pytest.mark.parametrize("solver", ["proxqp", "quadprog"])
+def test_the_solvers_that_are_compared_are_many():
+    assert set(qpsolvers.available_solvers) >= {"daqp", "proxqp", "quadprog", "clarabel", "highs", "osqp", "piqp"}
+
+
+def test_a_solver_that_is_too_rough_is_refused(chaser, hand):
+    with pytest.raises(ospace.OspaceError, match="'ecos'"):
+        Controller(chaser, [PoseTask(name="hand", point=hand)], solver="ecos")
+
+
+@pytest.mark.parametrize("solver", sorted({*qpsolvers.available_solvers} - {"daqp", "ecos"}))
 def test_all_solvers_give_the_same(chaser, hand, head, solver):
     limits = JointLimits.of(chaser, share=0.2, acceleration=5.0)
     tasks = paper_tasks(chaser, hand, head)
