@@ -40,11 +40,20 @@ _ALONG = f"""([paths, times]) => times.map((time) => {{
   return paths.map((path) => place(ospace.node(path)).elements);
 }})"""
 
+# Of a scene whose numbers alone are wanted, nothing is drawn: by a processor it takes most of the time.
+_UNDRAWN = """(() => {
+  let kept;
+  Object.defineProperty(window, "ospace", {
+    get: () => kept,
+    set: (made) => { kept = made; made.viewer.renderer.render = () => {}; },
+  });
+})()"""
+
 
 class Opened:
     """A page of its own context: a text, which is written to `file` and read without a network, or an address."""
 
-    def __init__(self, browser, source, file, size, offline=None, bare=False):
+    def __init__(self, browser, source, file, size, bare=False, drawn=False):
         self.address = source if str(source).startswith("http://") else None
         if self.address is None:
             if not isinstance(source, Path):
@@ -53,12 +62,12 @@ class Opened:
             self.address = source.resolve().as_uri()
         live = self.address.startswith("http://")
         width, height = size
-        self._context = browser.new_context(
-            viewport={"width": width, "height": height}, offline=not live if offline is None else offline
-        )
+        self._context = browser.new_context(viewport={"width": width, "height": height}, offline=not live)
         self._context.set_default_timeout(_MS)
         self.page = self._context.new_page()
-        self.requests, self.complaints, self.ended = [], [], False
+        if not drawn:
+            self.page.add_init_script(_UNDRAWN)
+        self.requests, self.complaints = [], []
         self.page.on("request", lambda request: self.requests.append(request.url))
         self.page.on("websocket", lambda socket: self.requests.append(socket.url))
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))

@@ -181,7 +181,7 @@ def test_view_until_ctrl_c(open_page):
                 socket.create_connection((other, port), timeout=2.0)
         listening = [line.split()[1] for line in Path("/proc/net/tcp").read_text().splitlines() if " 0A " in line]
         assert [one.split(":")[0] for one in listening if one.endswith(f":{port:04X}")] == ["0100007F"]
-        page = open_page(address)
+        page = open_page(address, drawn=True)
         path = "/robots/0 planar_2r/joint joint_1"
         page.until("() => ospace.node('/robots/0 planar_2r/joint joint_1/robot').children.length > 0")
         before = page.placed(path)[0]

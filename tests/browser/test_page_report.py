@@ -141,7 +141,8 @@ def test_the_report_of_grasp_is_small(open_page, grasped, tmp_path):
     file = run_report.save(grasped, tmp_path / "grasp.html")
     assert file.stat().st_size < MOST
     assert not re.search(rb"""(?:src|href)\s*=\s*["']?(?:https?:)?//""", file.read_bytes().split(b"<script>")[0])
-    page = open_page(file)
+    page = open_page(file, drawn=True)
+    page.until("() => ospace.viewer.renderer.info.render.triangles > 1000")
     assert page.evaluate("ospace.duration()") == pytest.approx(grasped.duration, abs=1e-6)
     assert page.locator(".verdict").inner_text() == "passed"
     assert page.locator("figure svg").count() == len(series.of(log.of(grasped)))

@@ -138,7 +138,7 @@ def test_a_screenshot_shows_the_robot(chromium, tmp_path, capsys):
 
 def test_a_page_is_drawn(open_page):
     scene = Scene(SpaceRobot.from_urdf(MODELS / "planar_2r.urdf"), background="paper")
-    page = open_page(scene.html(), (400, 300))
+    page = open_page(scene.html(), (400, 300), drawn=True)
     page.until("() => ospace.viewer.renderer.info.render.triangles > 1000")
     distinct, golden, panels = colours(Image.open(io.BytesIO(page.screenshot())))
     assert distinct > 300
@@ -343,7 +343,9 @@ def test_names_of_any_kind(open_page, tmp_path):
 
 def test_a_notebook_shows_it(open_page, planar):
     """In a sandboxed frame, as a notebook has it."""
-    page = open_page(f"<!DOCTYPE html><title>notebook</title>{Scene(planar)._repr_html_()}", (500, 400), bare=True)
+    page = open_page(
+        f"<!DOCTYPE html><title>notebook</title>{Scene(planar)._repr_html_()}", (500, 400), bare=True, drawn=True
+    )
     frame = page.frame_locator("iframe")
     frame.locator("#pane canvas").wait_for()
     inside = page.frames[1]
