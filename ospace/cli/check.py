@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ospace.cli import paper
+from ospace.cli import output, paper
 from ospace.cli.paper import plain
 
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
+    from ospace.urdf.description import Description
     from ospace.urdf.source import Limits
-    from ospace.validation.report import ModelFacts, Report
+    from ospace.validation.report import Report
 
 _PIPE_WIDTH = 200
 _MOST_POINTS = 50  # unless points are given: their matrices grow with the square of their number
@@ -49,6 +52,9 @@ def add_to(verbs: Any) -> None:
     verb.add_argument("--seed", metavar="S", type=_seed, default=0, help="seed of the states (default: %(default)s)")
     verb.add_argument("--json", action="store_true", help="print one JSON document instead of tables")
     verb.add_argument(
+        "--html", metavar="FILE", type=output.file, help="write a report with the robot to look at: one file"
+    )
+    verb.add_argument(
         "--package-dir", metavar="DIR", action="append", default=[], help="where package:// names are looked up"
     )
     verb.add_argument("--free-mimic", action="store_true", help="take joints that mimic others as independent ones")
@@ -80,8 +86,9 @@ def _seed(text: str) -> int:
 
 def run(given: argparse.Namespace) -> tuple[int, str]:
     """Check; return the exit status and the text to print."""
-    if given.json and (given.fix is not None or given.explain is not None):
-        given.refuse_usage("--json tells of a check: give it without --fix and --explain")
+    for option in ("json", "html"):
+        if getattr(given, option) and (given.fix is not None or given.explain is not None):
+            given.refuse_usage(f"--{option} tells of a check: give it without --fix and --explain")
     if given.explain is not None:
         from ospace.urdf import explain
 
@@ -92,28 +99,49 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
 
 
 def _check(given: argparse.Namespace) -> tuple[int, str]:
-    from ospace.cli import progress
     from ospace.cli.main import EXIT_FINDINGS, find, package_dirs
-    from ospace.exceptions import UnsoundModelError
+    from ospace.extras import require_scene
+
+    if given.html:
+        require_scene("a report")
+    file, folders = find(given.urdf), [Path(folder) for folder in package_dirs(given)]
+    if given.html and given.html.exists() and file.exists() and given.html.samefile(file):
+        given.refuse_usage(f"--html {given.html} is the robot itself")
+    with output.writable(given.html) if given.html else nullcontext():
+        result, description = _report(given, file, folders)
+        if given.html:
+            from ospace.visual import check_report
+
+            check_report.save(result, description, given.html, urdf=given.urdf, folders=[file, *folders])
+    if given.json:
+        text = json.dumps(result.as_dict(), indent=2, allow_nan=False) + "\n"
+    else:
+        text = _text(result, given.urdf) + (f"wrote {given.html}\n" if given.html else "")
+    return EXIT_FINDINGS if result.errors else 0, text
+
+
+def _report(given: argparse.Namespace, file: Path, folders: Sequence[Path]) -> tuple[Report, Description]:
+    """Check; return the report and what the file says, which no robot is made of where it is unsound."""
+    from ospace.cli import progress
     from ospace.robot import SpaceRobot
+    from ospace.urdf import reader
     from ospace.validation import report
 
-    folders = package_dirs(given)
-    try:
-        robot = SpaceRobot.from_urdf(find(given.urdf), folders, free_mimic=given.free_mimic, limits=_limits(given))
-    except UnsoundModelError as error:
-        result = report.Report(None, error.findings, seed=given.seed)
-    else:
-        points = [robot.point(name) for name in given.point or robot.leaf_links[:_MOST_POINTS]]
-        with progress.bar(given, "comparing states", given.samples) as advance:
-            result = report.check(robot, points, samples=given.samples, seed=given.seed, progress=advance)
-    text = json.dumps(result.as_dict(), indent=2, allow_nan=False) + "\n" if given.json else _text(result, given.urdf)
-    return EXIT_FINDINGS if result.errors else 0, text
+    reading = reader.read(file, package_dirs=folders, limits=_limits(given), free_mimic=given.free_mimic)
+    description, findings = reading.description, reading.findings
+    if reading.model is None:
+        return report.Report(None, findings, seed=given.seed), description
+    robot = SpaceRobot(reading.model, findings, source=file, description=description, package_dirs=folders)
+    points = [robot.point(name) for name in given.point or robot.leaf_links[:_MOST_POINTS]]
+    with progress.bar(given, "comparing states", given.samples) as advance:
+        result = report.check(robot, points, samples=given.samples, seed=given.seed, progress=advance)
+    return result, description
 
 
 def _fix(given: argparse.Namespace) -> tuple[int, str]:
     from ospace.cli.main import EXIT_FINDINGS, find
     from ospace.urdf import reader, repair
+    from ospace.validation.words import number
 
     limits, out = _limits(given), Path(given.fix)
     changes = repair.write(find(given.urdf), out, limits)
@@ -122,7 +150,7 @@ def _fix(given: argparse.Namespace) -> tuple[int, str]:
     left = reader.read(out, limits=limits, free_mimic=given.free_mimic).findings
     errors = sum(finding.severity == "error" for finding in left)
     lines = [str(change) for change in changes]
-    lines.append(f"wrote {out}: {_number(len(changes), 'change')}, {_number(errors, 'error')} left")
+    lines.append(f"wrote {out}: {number(len(changes), 'change')}, {number(errors, 'error')} left")
     return EXIT_FINDINGS if errors else 0, "\n".join(lines) + "\n"
 
 
@@ -144,8 +172,12 @@ def _text(result: Report, urdf: str) -> str:
 
 
 def _show(console: Console, result: Report, urdf: str) -> None:
+    from ospace.validation import words
+
     if result.model is not None:
-        _print_model(console, result.model)
+        console.print(f"[bold]{plain(result.model.name)}[/]")
+        for name, value in words.facts(result.model):
+            console.print(f"  {name:23} {plain(value)}")
     if result.findings:
         if result.model is not None:
             console.print()
@@ -158,43 +190,16 @@ def _show(console: Console, result: Report, urdf: str) -> None:
     if result.agreement:
         console.print()
         console.print(_agreement(result, console.is_terminal))
-    decided = sum(row.verdict == "agrees" for row in result.agreement)
-    if result.agreement:
-        console.print(
-            f"\n{decided} of {len(result.agreement)} quantities agree over {result.samples} states "
-            f"(seed {result.seed}, every second state 7e6 m from the origin)"
-        )
-    warnings = sum(finding.severity == "warning" for finding in result.findings)
+        console.print(f"\n{words.agreement(result)}")
     colour = "bold red" if result.errors else "bold green"
-    summary = f"{_number(result.errors, 'error')}, {_number(warnings, 'warning')}"
-    console.print(f"[{colour}]{result.verdict}[/]: {plain(urdf)}: {summary}")
-
-
-def _print_model(console: Console, model: ModelFacts) -> None:
-    joints = ", ".join(f"{count} {kind}" for kind, count in model.joints.items()) or "none"
-    inertias = ", ".join(f"{value:.6g}" for value in model.principal_inertias)
-    centre = ", ".join(f"{round(value, 12) + 0.0:.6g}" for value in model.mass_centre)
-    points = ", ".join(f"{point['frame']} ({point['rows']} rows)" for point in model.points)
-    console.print(f"[bold]{plain(model.name)}[/]")
-    for name, value in (
-        ("bodies", f"{model.bodies}, fixed joints merged"),
-        ("joints", joints),
-        ("degrees of freedom", f"{model.degrees_of_freedom}, of these 6 of the floating base"),
-        ("total mass", f"{model.total_mass:.6g} kg"),
-        ("arm-to-base mass ratio", f"{model.arm_to_base_mass_ratio:.4g} (base {model.base_mass:.6g} kg)"),
-        ("principal inertias", f"{inertias} kg m² about the centre of mass, joints at zero"),
-        ("centre of mass", f"{centre} m from the base link, joints at zero"),
-        ("condition of H_b", f"{model.condition_H_b:.4g} with unit diagonal"),
-        ("gravity", f"{model.gravity:g} m/s²"),
-        ("units", model.units),
-        ("operational points", plain(points)),
-    ):
-        console.print(f"  {name:23} {value}")
+    console.print(f"[{colour}]{result.verdict}[/]: {plain(urdf)}: {words.summary(result)}")
 
 
 def _agreement(result: Report, terminal: bool) -> Table:
     from rich import box
     from rich.table import Table
+
+    from ospace.validation import words
 
     table = Table(box=box.SIMPLE_HEAD if terminal else None, pad_edge=False, header_style="bold")
     for heading in ("quantity", "equation", "computed by", "checked against"):
@@ -203,13 +208,7 @@ def _agreement(result: Report, terminal: bool) -> Table:
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("verdict", no_wrap=True)
     for row in result.agreement:
-        verdict = f"[{_COLOURS[row.verdict]}]{row.verdict}[/]"
-        if row.telling < row.states:
-            verdict += f" ({row.telling} of {row.states} states can tell)"
         texts = (row.quantity, row.equation, row.computed_by, row.checked_against)
-        table.add_row(*map(plain, texts), f"{row.error:.1e}", f"{row.bound:.1e}", verdict)
+        verdict = f"[{_COLOURS[row.verdict]}]{words.verdict(row)}[/]"
+        table.add_row(*map(plain, texts), words.error(row.error), words.error(row.bound), verdict)
     return table
-
-
-def _number(count: int, what: str) -> str:
-    return f"{count} {what}" + ("" if count == 1 else "s")

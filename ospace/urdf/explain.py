@@ -34,7 +34,7 @@ def text(name: str) -> str:
         raise OspaceError(f"there is no code '{name}'{closest(name, CODES)}")
     code = CODES[name]
     return (
-        f"{code.name} ({_level(code)})\n{code.summary}\n\n"
+        f"{code.name} ({level(code)})\n{code.summary}\n\n"
         f"Example  {code.example}\nReason   {code.reason}\nRemedy   {code.remedy}\n"
     )
 
@@ -46,15 +46,16 @@ def page() -> str:
         parts.append(f"\n## {title}\n")
         for code in codes:
             parts.append(
-                f"\n### `{code.name}`\n\n*{_level(code)}.* {_escaped(code.summary)}\n\n    {code.example}\n\n"
+                f"\n### `{code.name}`\n\n*{level(code)}.* {_escaped(code.summary)}\n\n    {code.example}\n\n"
                 f"**Reason.** {_escaped(code.reason)}\n\n**Remedy.** {_escaped(code.remedy)}\n"
             )
     return "".join(parts)
 
 
-def _level(code: Code) -> str:
-    level = "refused" if code.unreadable else code.severity
-    return f"{level}, repaired by --fix" if code.fixable else level
+def level(code: Code) -> str:
+    """Return the severity of a code, and whether it can be repaired."""
+    gravity = "refused" if code.unreadable else code.severity
+    return f"{gravity}, repaired by --fix" if code.fixable else gravity
 
 
 def _escaped(text: str) -> str:

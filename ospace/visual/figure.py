@@ -45,6 +45,8 @@ class Figure:
         On meshes that cannot be shown.
     extents : list of (int, (8, 3))
         Number of a node, and corners of a box that holds a part of what stands on it, m.
+    links : dict of link name to (int, (4, 4))
+        Of a robot that a file describes: number of the node that a link is on, and its frame in that of the node, m.
     """
 
     nodes: list[str] = field(default_factory=list)
@@ -52,6 +54,11 @@ class Figure:
     layers: dict[str, list[str]] = field(default_factory=lambda: {"robot": [], "collision": [], "inertia": []})
     findings: list[Finding] = field(default_factory=list)
     extents: list[tuple[int, Floats]] = field(default_factory=list)
+    links: dict[str, tuple[int, Floats]] = field(default_factory=dict)
+
+    def of_link(self, name: str, layer: str) -> str:
+        """Return the path below which all of a link in a layer stands."""
+        return f"{self.nodes[self.links[name][0]]}/{layer}/link {component(name)}"
 
     def corners(self, places: Sequence[Floats]) -> Floats:
         """Return corners (N, 3) that all lies between, nodes placed at `places` (4, 4), m."""
@@ -72,7 +79,7 @@ def of_robot(stage: Stage, root: str, robot: SpaceRobot, marked: Mapping[str, Co
             for show in (builder.inertia, builder.box):
                 show(j - 1, model.names[j], _Inertia(own.mass, own.lever, own.inertia))
     else:
-        builder.folders = [robot.source, *robot.package_dirs]
+        builder.describes(description, [robot.source, *robot.package_dirs])
         for frame in model.frames:
             if frame.type == pin.FrameType.BODY and frame.parentJoint > 0:
                 builder.link(description.link[frame.name], frame.parentJoint - 1, frame.placement)
@@ -88,7 +95,7 @@ def of_description(
 ) -> Figure:
     """Put on the stage what a file describes, sound or not; `folders` has the file and the folders of packages."""
     builder = _Builder(stage, marked)
-    builder.folders = list(folders)
+    builder.describes(description, folders)
     bodies, places = link_places(description)
     for body in bodies:
         above = builder.figure.rest[body.parent] if body.parent >= 0 else np.eye(4)
@@ -111,6 +118,12 @@ class _Builder:
         self.stage, self.marked = stage, marked
         self.figure = Figure()
         self.folders: list[Path] = []
+        self.bare = False
+
+    def describes(self, description: Description, folders: Sequence[Path]) -> None:
+        """Show links of a file; `folders` has it and the folders of packages."""
+        self.folders = list(folders)
+        self.bare = not any(link.shapes for link in description.links)
 
     def node(self, path: str, T: Floats) -> None:
         """Add a node, at rest at `T` (4, 4), m."""
@@ -120,7 +133,10 @@ class _Builder:
 
     def link(self, link: Link, node: int, T: pin.SE3) -> None:
         """Show a link at `T` in the node's frame."""
+        self.figure.links[link.name] = node, T.homogeneous
         inertia = None if link.inertial is None else _seen(link.inertial, T)
+        if self.bare and inertia is not None:
+            self.box(node, link.name, inertia)
         boxed = False
         for k, shape in enumerate(link.shapes):
             try:
@@ -169,7 +185,7 @@ class _Builder:
         self.stage.set_transform(path, homogeneous(axes * lengths, inertia.centre))
 
     def box(self, node: int, name: str, inertia: _Inertia) -> None:
-        """Show the uniform box of the same mass and moments, in place of what cannot be shown."""
+        """Show the uniform box of the same mass and moments, in place of what cannot be shown or is not there."""
         squares, axes, _ = _semi_axes_squared(inertia)
         if inertia.mass <= 0.0 or squares.max() <= 0.0:
             return

@@ -65,6 +65,7 @@ def render(run: Run) -> str:
         remarks=list(_remarks(run)),
         panels=[plots.svg(one, run.phases, dark=dark) for one in curves.values()],
         log=kept,
+        versions=kept.versions,
     )
 
 

@@ -321,6 +321,80 @@ def test_same_seed_same_document_other_seed_other_numbers(document):
     assert errors != others
 
 
+# -- the page ----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def page(tmp_path):
+    return tmp_path / "report.html"
+
+
+def test_the_page_is_written_beside_what_is_printed(run, page):
+    before = run("check", "planar_2r", "--samples", 2)
+    status, out, err = run("check", "planar_2r", "--samples", 2, "--html", page)
+    assert (status, out, err) == (before[0], f"{before[1]}wrote {page}\n", "")
+    assert page.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+
+
+def test_the_page_beside_the_document(run, page):
+    before = run("check", "planar_2r", "--samples", 2, "--json")
+    assert run("check", "planar_2r", "--samples", 2, "--json", "--html", page) == before
+    assert page.stat().st_size > 500_000
+
+
+@pytest.mark.parametrize("code", UNSOUND)
+def test_an_unsound_model_has_its_page(run, urdf, page, code):
+    status, out, err = run("check", urdf(*UNSOUND[code]), "--html", page)
+    assert (status, err) == (1, "")
+    assert out.endswith(f"wrote {page}\n")
+    assert f'id="code-{code}"' in page.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("other", [["--fix", "out.urdf"], ["--explain", "massless-base"]], ids=["fix", "explain"])
+def test_a_page_is_of_a_check_alone(run, page, other):
+    status, out, err = run("check", "target", *other, "--html", page)
+    assert (status, out) == (2, "")
+    assert "give it without --fix and --explain" in err
+    assert not page.exists()
+
+
+def test_a_page_that_cannot_be_written_is_found_before_the_work(run, monkeypatch, tmp_path):
+    monkeypatch.setattr("ospace.validation.report.check", lambda *given, **options: pytest.fail("has worked"))
+    (tmp_path / "closed").mkdir()
+    for path in (tmp_path / "nowhere" / "report.html", tmp_path / "closed", "/dev/null/report.html"):
+        status, out, err = run("check", "target", "--html", path)
+        assert (status, out) == (2, "")
+        assert err.splitlines()[-1].startswith(("ospace check: error:", "ospace: error:"))
+
+
+@pytest.mark.parametrize("content", [b"", b"<robot name='made'/>"], ids=["empty", "no links"])
+def test_without_a_robot_there_is_no_page(run, tmp_path, page, content):
+    file = tmp_path / "robot.urdf"
+    file.write_bytes(content)
+    for before in (None, "what was there"):
+        if before is not None:
+            page.write_text(before)
+        assert run("check", file, "--html", page)[0] == 2
+        assert (page.read_text() if page.exists() else None) == before
+
+
+def test_a_page_does_not_overwrite_the_robot(run, urdf):
+    file = Path(urdf(link("base")))
+    before = file.read_bytes()
+    status, out, err = run("check", file, "--html", file)
+    assert (status, out) == (2, "")
+    assert "is the robot itself" in err
+    assert file.read_bytes() == before
+
+
+def test_without_the_extra_it_is_told_how_to_get_it(run, monkeypatch, page):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    status, out, err = run("check", "target", "--html", page)
+    assert (status, out) == (2, "")
+    assert err == "ospace: error: a report needs MeshCat: pip install 'ospace[visual]'\n"
+    assert not page.exists()
+
+
 # -- what is refused ---------------------------------------------------------------------------------------------
 
 
