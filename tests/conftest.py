@@ -1,5 +1,15 @@
-"""Settings that must hold before NumPy is loaded."""
+"""Settings that must hold before NumPy is loaded; and a run that more than one part looks at."""
 
 import os
 
+import pytest
+
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
+@pytest.fixture(scope="session")
+def grasped():
+    """Return the run of the scenario `grasp`, which takes seconds."""
+    from ospace import models, scenario
+
+    return scenario.run(scenario.load(models.scenario("grasp")))

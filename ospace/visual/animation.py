@@ -75,7 +75,7 @@ def keys_of(time: Floats, X: Floats, way: Way, error: float) -> Ints:
     if way is _arc:
         bend -= np.sum(bend * X[1:-1], axis=1, keepdims=True) * X[1:-1]
     density = np.sqrt(np.linalg.norm(bend, axis=1) / (8.0 * error))
-    density = np.r_[density[0], density, density[-1]]
+    density = np.r_[density[0], density, density[-1]] + 0.5 / (time[-1] - time[0])
     share = np.r_[0.0, np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(time))]
     count = 1.2
     while True:
@@ -102,7 +102,8 @@ def _line(a: Floats, b: Floats, share: Floats) -> Floats:
 
 
 def _arc(a: Floats, b: Floats, share: Floats) -> Floats:
-    """Interpolate unit quaternions on their sphere."""
+    """Interpolate unit quaternions on their sphere, the shorter way, as a page does."""
+    b = np.where(np.sum(a * b, axis=1, keepdims=True) < 0.0, -b, b)
     half = np.arctan2(np.linalg.norm(b - a, axis=1), np.linalg.norm(b + a, axis=1))[:, None]
     angle = 2.0 * half
     small = angle < 1e-9

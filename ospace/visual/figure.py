@@ -166,8 +166,9 @@ class _Builder:
     def _mesh(self, filename: str) -> Path:
         """Find a mesh where the reader does, and in the package that the file itself lies in."""
         source, *package_dirs = self.folders
-        package = filename.partition("://")[2].lstrip("/").partition("/")[0]
-        own = [folder for folder in source.resolve().parents if folder.name == package]
+        scheme, _, inside = filename.partition("://")
+        package = inside.lstrip("/").partition("/")[0] if scheme in ("package", "model") else ""
+        own = [folder for folder in source.resolve().parents if package and folder.name == package]
         path = locate(filename, source, [*package_dirs, *own])
         if path.suffix.lower() not in _MESHES:
             raise MeshError("mesh-unreadable", f"'{filename}' is none of {', '.join(_MESHES)}")

@@ -19,8 +19,8 @@ from ospace.simulation.moving_frame import MovingFrame
 from ospace.state import State, checked_state
 from ospace.urdf.description import Colour
 from ospace.urdf.findings import Finding
-from ospace.visual import look, page
-from ospace.visual.animation import animation
+from ospace.visual import between, look, page
+from ospace.visual.animation import ERROR, animation
 from ospace.visual.figure import of_robot
 from ospace.visual.look import Background
 from ospace.visual.page import Label, Layer
@@ -228,7 +228,8 @@ class Scene:
 
         Notes
         -----
-        The keys of the animation are so many that no body is further than `error` from where it was, at any time.
+        The keys of the animation are so many that no body is further than `error` from where it was, at any time;
+        between records it goes from one velocity to the next.
         """
         if len(motions) != len(self._players):
             raise OspaceError(f"give one motion for each of the {len(self._players)} robots in the scene")
@@ -242,17 +243,19 @@ class Scene:
         start = float(first.time[0])
         self.frame = MovingFrame.of(self.robot.state(first.q[0], first.v[0]))
         moved: dict[str, tuple[Floats, Floats]] = {}
-        seen = []
+        seen, between_records = [], 0.0
         for player, motion in zip(self._players, motions, strict=True):
             time = motion.time - start
             Q, V = self.frame.inverse.leave(time, motion.q, motion.v)
-            poses = np.array([player.nodes(q) for q in Q])
+            times, poses, off = between.placed(player.robot.model, time, Q, V, player.nodes, ERROR)
+            between_records = max(between_records, off)
             for j, path in enumerate(player.figure.nodes):
-                moved[path] = time, poses[:, j]
+                moved[path] = times, poses[:, j]
             seen.append((time, Q, V))
         moved |= self._quantities_along(*seen[0])
         self.duration = float(seen[0][0][-1])
-        made, self.error = animation(moved)
+        made, between_keys = animation(moved)
+        self.error = between_records + between_keys
         self.stage.set_animation(made)
         self._surround(*(Q[:: max(1, len(Q) // _SAMPLES)] for _, Q, _ in seen))
         self._displayed = True

@@ -47,11 +47,6 @@ def made(tmp_path):
     return call
 
 
-@pytest.fixture(scope="module")
-def grasped():
-    return scenario.run(scenario.load(ospace.models.scenario("grasp")))
-
-
 def worst(run, task, column):
     return max(phase.errors[task].worst[column] for phase in run.phases if task in phase.errors)
 

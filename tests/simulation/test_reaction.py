@@ -1,0 +1,164 @@
+"""The base answers its joints so that momentum stays zero and the mass centre where it is, by Pinocchio's account."""
+
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+import trees
+
+import ospace
+from ospace import OspaceError, SpaceRobot
+from ospace.simulation.reaction import react, sweep
+
+MODELS = Path(ospace.__file__).parents[1] / "models"
+
+
+@pytest.fixture(scope="module", params=["planar_2r", "chaser_7dof", "tree of all joints"])
+def robot(request):
+    if request.param.startswith("tree"):
+        return trees.tree(3, 9)
+    return SpaceRobot.from_urdf(MODELS / f"{request.param}.urdf")
+
+
+def waving(robot, pace=1.0):
+    """Return joints that all move, each at its own pace, from rest at the start's positions."""
+    n = robot.n_joints
+    rates = pace * np.linspace(0.7, 1.9, n)
+    size = 0.5 / np.sqrt(n)
+
+    def joints(time):
+        return size * np.sin(rates * time), size * rates * np.cos(rates * time)
+
+    return joints
+
+
+def start_of(robot, seed=1):
+    rng = np.random.default_rng(seed)
+    q = pin.neutral(robot.model)
+    q[:3] = rng.normal(size=3)
+    q[3:7] = pin.Quaternion(pin.exp3(rng.normal(size=3))).coeffs()
+    return np.asarray(pin.integrate(robot.model, q, np.r_[np.zeros(6), 0.3 * rng.normal(size=robot.nv - 6)]))
+
+
+def test_momentum_is_zero_and_the_mass_centre_stays(robot):
+    q = start_of(robot)
+    motion = react(robot, q, waving(robot), 3.0)
+    model, data = robot.model, robot.model.createData()
+    np.testing.assert_allclose(motion.q[0], q, atol=1e-12)
+    assert (motion.time[0], motion.time[-1]) == (0.0, 3.0)
+    centre = np.array(pin.centerOfMass(model, data, q))
+    scale = pin.crba(model, data, q)[:6, :6].max()
+    for one, v in zip(motion.q, motion.v, strict=True):
+        h = pin.computeCentroidalMomentum(model, data, one, v).vector
+        assert np.abs(h).max() < 1e-11 * scale
+        np.testing.assert_allclose(pin.centerOfMass(model, data, one), centre, rtol=0, atol=1e-11)
+    turned = pin.log3(pin.XYZQUATToSE3(motion.q[0, :7]).rotation.T @ pin.XYZQUATToSE3(motion.q[-1, :7]).rotation)
+    assert np.linalg.norm(turned) > 1e-4  # the base does answer
+
+
+def test_joints_move_as_they_are_told(robot):
+    joints = waving(robot)
+    motion = react(robot, start_of(robot), joints, 1.0)
+    first = motion.q[0].copy()
+    for time, q, v in zip(motion.time[::10], motion.q[::10], motion.v[::10], strict=True):
+        moved, rates = joints(time)
+        wanted = pin.integrate(robot.model, first, np.r_[np.zeros(6), moved])
+        np.testing.assert_allclose(q[7:], wanted[7:], rtol=0, atol=1e-12)
+        np.testing.assert_array_equal(v[6:], rates)
+
+
+def test_the_velocity_is_the_derivative(robot):
+    """By central differences over two records, which are off by h²."""
+    motion = react(robot, start_of(robot), waving(robot), 1.0)
+    h = motion.time[1]
+    for k in range(1, len(motion.time) - 1, 7):
+        forth = pin.difference(robot.model, motion.q[k], motion.q[k + 1]) / h
+        back = pin.difference(robot.model, motion.q[k - 1], motion.q[k]) / h
+        np.testing.assert_allclose(0.5 * (forth + back)[:6], motion.v[k, :6], rtol=0, atol=5.0 * h * h)
+
+
+def test_fourth_order(monkeypatch):
+    """Half the step, a sixteenth of the error in how the base is turned."""
+    robot = trees.tree(3, 9)
+    q = start_of(robot)
+    joints = waving(robot, pace=6.0)
+
+    def turned(step):
+        monkeypatch.setattr("ospace.simulation.reaction._STEP", step)
+        return pin.XYZQUATToSE3(react(robot, q, joints, 1.0).q[-1, :7]).rotation
+
+    best = turned(1.0 / 640.0)
+    errors = [np.linalg.norm(pin.log3(best.T @ turned(step))) for step in (1 / 10.0, 1 / 20.0, 1 / 40.0)]
+    assert errors[0] / errors[1] == pytest.approx(16.0, rel=0.35)
+    assert errors[1] / errors[2] == pytest.approx(16.0, rel=0.35)
+
+
+def test_out_and_back_along_one_joint_brings_the_base_back(robot):
+    """One joint alone encloses no area: whatever its pace, the base comes back."""
+    for i in range(min(3, robot.n_joints)):
+
+        def joints(time, i=i):
+            moved, rates = np.zeros(robot.n_joints), np.zeros(robot.n_joints)
+            moved[i], rates[i] = np.sin(np.pi * time) ** 2, np.pi * np.sin(2.0 * np.pi * time)
+            return moved, rates
+
+        motion = react(robot, start_of(robot), joints, 1.0)
+        np.testing.assert_allclose(
+            pin.XYZQUATToSE3(motion.q[-1, :7]).homogeneous,
+            pin.XYZQUATToSE3(motion.q[0, :7]).homogeneous,
+            rtol=0,
+            atol=1e-6,
+        )
+
+
+def test_two_joints_in_turn_do_not():
+    """A cat turns so: the base ends elsewhere than it began, with its momentum zero all the while."""
+    robot = SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")
+
+    def joints(time):
+        a, b = 2.0 * np.pi * time, 2.0 * np.pi * time
+        return np.array([1.0 - np.cos(a), np.sin(b)]), 2.0 * np.pi * np.array([np.sin(a), np.cos(b)])
+
+    motion = react(robot, robot.configuration(), joints, 1.0)
+    turned = pin.log3(pin.XYZQUATToSE3(motion.q[-1, :7]).rotation)
+    np.testing.assert_allclose(motion.q[-1, 7:], motion.q[0, 7:], atol=1e-9)
+    assert np.abs(turned[2]) > 1e-3
+
+
+def test_a_sweep_goes_to_the_limits_and_back():
+    robot = SpaceRobot.from_urdf(MODELS / "chaser_7dof.urdf")
+    q = robot.configuration(dict.fromkeys(robot.joint_names[:2], 0.1))
+    motion = sweep(robot, q)
+    assert (np.diff(motion.time) > 0.0).all()
+    np.testing.assert_allclose(motion.q[-1, 7:], q[7:], atol=1e-9)
+    np.testing.assert_allclose(motion.v[[0, -1]], 0.0, atol=1e-9)
+    for k in range(7, robot.nq):
+        low, high = robot.model.lowerPositionLimit[k], robot.model.upperPositionLimit[k]
+        if np.isfinite([low, high]).all():
+            np.testing.assert_allclose([motion.q[:, k].min(), motion.q[:, k].max()], [low, high], atol=1e-6)
+        assert np.ptp(motion.q[:, k]) > 0.1
+    moving = (np.abs(motion.v[:, 6:]) > 1e-12).sum(axis=1)
+    assert moving.max() == 1  # one joint after the other
+    centre = pin.centerOfMass(robot.model, robot.model.createData(), q)
+    for one in motion.q[::50]:
+        np.testing.assert_allclose(pin.centerOfMass(robot.model, robot.model.createData(), one), centre, atol=1e-11)
+
+
+@pytest.mark.parametrize("duration", [0.0, -1.0, np.nan, np.inf])
+def test_a_duration_that_is_none(duration):
+    robot = SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")
+    with pytest.raises(OspaceError, match="give a positive number"):
+        react(robot, robot.configuration(), waving(robot), duration)
+
+
+def test_bad_input():
+    robot = SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")
+    with pytest.raises(OspaceError, match="q"):
+        react(robot, np.zeros(3), waving(robot), 1.0)
+    with pytest.raises(OspaceError):
+        sweep(robot, robot.configuration() * np.nan)
+    with pytest.raises(OspaceError, match="no joint to move"):
+        sweep(
+            SpaceRobot.from_urdf(MODELS / "target.urdf"), SpaceRobot.from_urdf(MODELS / "target.urdf").configuration()
+        )
