@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+import errno
+import os
+import socket
 import threading
 from collections.abc import Callable
 from types import TracebackType
-from typing import Any, Self
+from typing import Self
 
 from tornado.httpserver import HTTPServer
-from tornado.netutil import bind_sockets
 from tornado.web import Application, RequestHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
@@ -42,8 +44,8 @@ class Server:
 
     def __init__(self, content: Callable[[], Content], host: str = LOOPBACK, port: int | None = None) -> None:
         self._content, self._stage = content, content().stage
-        self._sockets = _listen(host, port)
-        self.port = int(self._sockets[0].getsockname()[1])
+        self._socket = _listen(host, port)
+        self.port = int(self._socket.getsockname()[1])
         self.address = f"http://{f'[{host}]' if ':' in host else host}:{self.port}/"
         self._viewers: set[_Socket] = set()
         self._loop = asyncio.new_event_loop()
@@ -73,7 +75,7 @@ class Server:
         shared = {"content": self._content, "viewers": self._viewers}
         application = Application([("/", _Page, shared), ("/socket", _Socket, shared)], log_function=_no_log)
         server = HTTPServer(application)
-        self._loop.call_soon(server.add_sockets, self._sockets)
+        self._loop.call_soon(server.add_socket, self._socket)
         self._loop.call_soon(self._ready.set)
         try:
             self._loop.run_forever()
@@ -124,13 +126,20 @@ class _Socket(WebSocketHandler):
             self._viewers.discard(self)
 
 
-def _listen(host: str, port: int | None) -> list[Any]:
+def _listen(host: str, port: int | None) -> socket.socket:
     tried = [port] if port is not None else [*range(PORT, PORT + _TRIES), 0]
     for one in tried:
         try:
-            return bind_sockets(one, host)
+            family = socket.getaddrinfo(host, one, type=socket.SOCK_STREAM)[0][0]
+            listening = socket.create_server((host, one), family=family)
         except OSError as error:
-            reason = error.strerror or str(error)
+            unknown = isinstance(error, socket.gaierror)
+            reason = str(error.strerror) if unknown else os.strerror(error.errno or 0)
+            if error.errno != errno.EADDRINUSE:
+                break  # another port would not help
+        else:
+            listening.setblocking(False)
+            return listening
     raise OspaceError(f"cannot listen on {host}, port {tried[0]}: {reason}")
 
 

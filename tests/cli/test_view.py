@@ -96,7 +96,6 @@ def test_layers_shown_at_first(view, tmp_path):
         (["planar_2r", "target"], "unrecognized arguments"),
     ],
 )
-@pytest.mark.filterwarnings("ignore::ResourceWarning")  # Tornado leaves a socket behind that it could not bind
 def test_mistakes(view, tmp_path, arguments, words):
     (tmp_path / "folder").mkdir()
     output = [] if {"--html", "--screenshot", "--host", "--port"} & set(arguments) else ["--html", "out.html"]
