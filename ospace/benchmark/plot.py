@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ospace.benchmark.report import Benchmark
+from ospace.files import replacing
 
 
 def save(result: Benchmark, path: Path) -> None:
@@ -30,4 +31,5 @@ def save(result: Benchmark, path: Path) -> None:
         axes.grid(True, which="both", alpha=0.25)
         axes.legend(fontsize="small", loc="upper left")
         axes.set_ylim(top=10.0 * axes.get_ylim()[1])  # room for the legend
-    figure.savefig(path)
+    with replacing(path) as part:
+        figure.savefig(part)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import math
-from contextlib import nullcontext
 from typing import TYPE_CHECKING, Any
 
 from ospace.cli import output, paper
@@ -60,23 +59,26 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     """Measure; return the exit status and the text to print."""
     from ospace.benchmark import plot, report
     from ospace.cli import progress
-    from ospace.cli.main import find
+    from ospace.cli.main import EXIT_USAGE, find
     from ospace.extras import require
     from ospace.robot import SpaceRobot
 
     if given.plot:
         require("matplotlib", "a plot")
-    with output.writable(given.plot) if given.plot else nullcontext():
-        robot = SpaceRobot.from_urdf(find(given.urdf), free_mimic=given.free_mimic)
-        with progress.bar(given, "comparing results", 1):
-            plan = report.prepare(robot, given.points)
-        with progress.bar(given, "timing", plan.turns) as advance:
-            result = report.run(plan, seconds=given.seconds, tick=_counted(advance))
-        if given.plot:
-            plot.save(result, given.plot)
-    if given.json:
-        return 0, json.dumps(result.as_dict(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    return 0, _text(result)
+    file = find(given.urdf)
+    output.distinct([file], [given.plot])
+    output.writable(given.plot)
+    robot = SpaceRobot.from_urdf(file, free_mimic=given.free_mimic)
+    with progress.bar(given, "comparing results", 1):
+        plan = report.prepare(robot, given.points)
+    with progress.bar(given, "timing", plan.turns) as advance:
+        result = report.run(plan, seconds=given.seconds, tick=_counted(advance))
+    text = _document(result) if given.json else _text(result)
+    if not given.plot:
+        return 0, text
+    given.refuse_if_interrupted()  # which an import may have swallowed: nothing is printed then
+    done = [output.printed(text), output.written(given.plot, "plot", lambda: plot.save(result, given.plot))]
+    return 0 if all(done) else EXIT_USAGE, ""
 
 
 def _counted(advance: Any) -> Any:
@@ -88,6 +90,10 @@ def _counted(advance: Any) -> Any:
         advance(done)
 
     return tick
+
+
+def _document(result: Benchmark) -> str:
+    return json.dumps(result.as_dict(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 # -- what people read --------------------------------------------------------------------------------------------

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Sequence
-from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -109,25 +108,33 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
 
 
 def _check(given: argparse.Namespace) -> tuple[int, str]:
-    from ospace.cli.main import EXIT_FINDINGS, find, package_dirs
+    from ospace.cli.main import EXIT_FINDINGS, EXIT_USAGE, find, package_dirs
     from ospace.extras import require_scene
 
     if given.html:
         require_scene("a report")
     file, folders = find(given.urdf), [Path(folder) for folder in package_dirs(given)]
-    if given.html and given.html.exists() and file.exists() and given.html.samefile(file):
-        given.refuse_usage(f"--html {given.html} is the robot itself")
-    with output.writable(given.html) if given.html else nullcontext():
-        result, description = _report(given, file, folders)
-        if given.html:
-            from ospace.visual import check_report
+    output.distinct([file], [given.html])
+    output.writable(given.html)
+    result, description = _report(given, file, folders)
+    text = json.dumps(result.as_dict(), indent=2, allow_nan=False) + "\n" if given.json else _text(result, given.urdf)
+    status = EXIT_FINDINGS if result.errors else 0
+    if not given.html:
+        return status, text
+    from ospace.visual import check_report
 
-            check_report.save(result, description, given.html, urdf=given.urdf, folders=[file, *folders])
-    if given.json:
-        text = json.dumps(result.as_dict(), indent=2, allow_nan=False) + "\n"
-    else:
-        text = _text(result, given.urdf) + (f"wrote {given.html}\n" if given.html else "")
-    return EXIT_FINDINGS if result.errors else 0, text
+    given.refuse_if_interrupted()  # which an import may have swallowed: nothing is printed then
+    done = [
+        output.printed(text),
+        output.written(
+            given.html,
+            "report",
+            lambda: check_report.save(result, description, given.html, urdf=given.urdf, folders=[file, *folders]),
+        ),
+    ]
+    if not all(done):
+        return EXIT_USAGE, ""
+    return status, "" if given.json else f"wrote {given.html}\n"
 
 
 def _report(given: argparse.Namespace, file: Path, folders: Sequence[Path]) -> tuple[Report, Description]:

@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import ospace
+from ospace.cli import output
 
 EXIT_FINDINGS, EXIT_USAGE, EXIT_INTERRUPTED = 1, 2, 130
 _VERBS = ("check", "view", "run", "plot", "bench")
@@ -53,7 +54,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             given.refuse_if_interrupted, given.forgive_interrupt = refuse_if_interrupted, forgive
             status, text = given.run(given)
             refuse_if_interrupted()
-        return _printed(text, int(status))
+        return int(status) if output.printed(text) else EXIT_USAGE
     except OspaceError as error:
         print(f"ospace: error: {error}", file=sys.stderr)
         return EXIT_USAGE
@@ -82,21 +83,6 @@ def package_dirs(given: argparse.Namespace) -> list[str]:
         if not Path(folder).is_dir():
             raise OspaceError(f"--package-dir {folder}: no such folder")
     return list(given.package_dir)
-
-
-def _printed(text: str, status: int) -> int:
-    """Print; return `status`, or another where the text cannot be written."""
-    if sys.stdout is None:  # closed by the caller: print would drop the text
-        print("ospace: error: cannot write the result: standard output is closed", file=sys.stderr)
-        return EXIT_USAGE
-    try:
-        print(text, end="", flush=True)
-    except OSError as error:
-        if not isinstance(error, BrokenPipeError):  # where the reader of a pipe has gone, there is no one to tell
-            print(f"ospace: error: cannot write the result: {error.strerror}", file=sys.stderr)
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nothing may be written at exit either
-        return EXIT_USAGE
-    return status
 
 
 @contextmanager

@@ -1,14 +1,16 @@
-"""Files that a verb writes: told to be unwritable before any work is done."""
+"""What a verb prints and writes: nothing over what it reads, and the result before a report that may fail."""
 
 from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
+import stat
+import sys
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 FIGURES = (".svg", ".png", ".pdf")
+_STANDARD_OUTPUT = 1
 
 
 def figure(text: str) -> Path:
@@ -28,14 +30,89 @@ def file(text: str) -> Path:
     return path
 
 
-@contextmanager
-def writable(path: Path) -> Iterator[None]:
-    """Raise `OSError` where `path` cannot be written; leave no empty file behind if the work in it fails."""
-    existed = os.path.lexists(path)
-    path.open("ab").close()
+# -- before the work ---------------------------------------------------------------------------------------------
+
+
+def distinct(inputs: Iterable[Path], outputs: Iterable[Path | None]) -> None:
+    """Raise `OspaceError` where an output is an input, another output, or standard output; None is no output."""
+    from ospace.exceptions import OspaceError, printable
+
+    inputs, before = tuple(inputs), list[Path]()
+    for out in filter(None, outputs):
+        if _is_standard_output(out):
+            raise OspaceError(printable(f"{out}: is standard output, where the result is printed; give another file"))
+        for one in inputs:
+            if _same(out, one):
+                raise OspaceError(printable(f"{out}: is what is read, {one}; give another file"))
+        for one in before:
+            if _same(out, one):
+                raise OspaceError(printable(f"{out}: is to be written twice, as {one} too; give another file"))
+        before.append(out)
+
+
+def _same(one: Path, other: Path) -> bool:
+    """Whether two paths lead to one file, which need not be there yet; a device may be both read and written."""
+    if one.exists() and other.exists():
+        return one.is_file() and one.samefile(other)
+    return os.path.realpath(one) == os.path.realpath(other)
+
+
+def _is_standard_output(path: Path) -> bool:
+    """Whether what is printed goes to the same file or pipe; a terminal or ``/dev/null`` can take both."""
     try:
-        yield
-    except BaseException:
+        printed = os.fstat(_STANDARD_OUTPUT)
+        return os.path.samestat(os.stat(path), printed) and not stat.S_ISCHR(printed.st_mode)
+    except OSError:  # closed, or not there yet
+        return False
+
+
+def writable(*paths: Path | None) -> None:
+    """Raise `OSError` where one of `paths` cannot be written; what is there stays as it is, and nothing else comes."""
+    for path in filter(None, paths):
+        existed = path.exists()
+        if existed and not path.is_file():
+            continue  # devices and pipes tell only what is written to them
+        path.open("ab").close()
         if not existed:
-            path.unlink(missing_ok=True)
-        raise
+            os.unlink(os.path.realpath(path))  # a link that led nowhere stays, and leads nowhere
+
+
+# -- after the work ----------------------------------------------------------------------------------------------
+
+
+def printed(text: str) -> bool:
+    """Print; tell on standard error where the text cannot be written, and return whether it was."""
+    if not text:
+        return True
+    if sys.stdout is None:  # closed by the caller: print would drop the text
+        print("ospace: error: cannot write the result: standard output is closed", file=sys.stderr)
+        return False
+    try:
+        print(text, end="", flush=True)
+    except OSError as error:
+        if not isinstance(error, BrokenPipeError):  # where the reader of a pipe has gone, there is no one to tell
+            print(f"ospace: error: cannot write the result: {error.strerror}", file=sys.stderr)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nothing may be written at exit either
+        return False
+    return True
+
+
+def written(path: Path, what: str, write: Callable[[], object]) -> bool:
+    """Write; tell on standard error why `path` has no such thing, so that the rest goes on, and return whether it has.
+
+    Parameters
+    ----------
+    path : Path
+    what : str
+        It holds, as ``"report"``.
+    write : function
+    """
+    from ospace.exceptions import OspaceError, printable
+
+    try:
+        write()
+    except (OSError, OspaceError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        print(f"ospace: error: {printable(str(path))}: no {what}: {reason}", file=sys.stderr)
+        return False
+    return True

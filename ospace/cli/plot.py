@@ -48,7 +48,6 @@ class _Help(argparse.HelpFormatter):
 
 def run(given: argparse.Namespace) -> tuple[int, str]:
     """Draw; return the exit status and the text to print."""
-    from ospace.exceptions import OspaceError
     from ospace.scenario import log
     from ospace.visual import plots
 
@@ -56,13 +55,11 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     out: Path = given.out or Path(f"{given.log.stem}.svg")
     plots.require()
     _known(given.quantity or ())
-    for file in files:
-        if out.exists() and file.exists() and out.samefile(file):
-            raise OspaceError(f"{out}: is a log to read; give another file with --out")
-    with output.writable(out):
-        logs = [log.load(file) for file in files]
-        drawn = _drawn(dict(zip(_names(files), logs, strict=True)), given.quantity)
-        plots.save(plots.figure(list(drawn.values()), logs[0].phases), out)
+    output.distinct(files, [out])
+    output.writable(out)
+    logs = [log.load(file) for file in files]
+    drawn = _drawn(dict(zip(_names(files), logs, strict=True)), given.quantity)
+    plots.save(plots.figure(list(drawn.values()), logs[0].phases), out)
     return 0, f"{out}: {', '.join(drawn)}\n"
 
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import argparse
 import math
 import os
-import sys
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -46,12 +45,9 @@ def add_to(verbs: Any) -> None:
 
 
 def _log(text: str) -> Path:
-    path = Path(text)
-    if path.suffix != ".npz":
+    if Path(text).suffix != ".npz":
         raise argparse.ArgumentTypeError(f"'{text}' does not end in .npz")
-    if not path.parent.is_dir():
-        raise argparse.ArgumentTypeError(f"'{text}': no such folder '{path.parent}'")
-    return path
+    return output.file(text)
 
 
 def find(scenario: str) -> Path:
@@ -65,7 +61,7 @@ def find(scenario: str) -> Path:
 
 def run(given: argparse.Namespace) -> tuple[int, str]:
     """Run; return the exit status and the text to print."""
-    from ospace.cli.main import EXIT_FINDINGS, EXIT_INTERRUPTED
+    from ospace.cli.main import EXIT_FINDINGS, EXIT_INTERRUPTED, EXIT_USAGE
     from ospace.extras import require, require_scene
     from ospace.scenario import load
 
@@ -73,30 +69,27 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
         require_scene("a scene")
     if given.html:
         require("matplotlib", "a report")
-    scenario = load(find(given.scenario))
+    file = find(given.scenario)
+    output.distinct([file], [given.log, given.csv, given.html])
+    scenario = load(file)
     if given.check:
         return 0, _valid(scenario, given.scenario)
-    with ExitStack() as open_files:
-        for file in filter(None, (given.log, given.html)):
-            open_files.enter_context(output.writable(file))
-        if given.csv:
-            given.csv.mkdir(parents=True, exist_ok=True)
-        with _live(given, scenario) if given.view else nullcontext() as live:
-            result = _run(given, scenario, live.watch if live else None)
-            _write(given, result)
-            text = _text(result, given.scenario)
-            if result.interrupted or live:
-                sys.stdout.write(text)
-                sys.stdout.flush()
-                text = ""
-            if result.interrupted:
-                return EXIT_INTERRUPTED, ""
-            if live:
-                try:
-                    live.replay(result)
-                except KeyboardInterrupt:  # which is how a view ends well
-                    given.forgive_interrupt()
-    return 0 if result.passed else EXIT_FINDINGS, text
+    output.writable(given.log, given.html)
+    if given.csv:
+        given.csv.mkdir(parents=True, exist_ok=True)
+    with _live(given, scenario) if given.view else nullcontext() as live:
+        result = _run(given, scenario, live.watch if live else None)
+        done = [*_kept(given, result), output.printed(_text(result, given.scenario)), _reported(given, result)]
+        if result.interrupted:
+            return EXIT_INTERRUPTED, ""
+        if live:
+            try:
+                live.replay(result)
+            except KeyboardInterrupt:  # which is how a view ends well
+                given.forgive_interrupt()
+    if not all(done):
+        return EXIT_USAGE, ""
+    return 0 if result.passed else EXIT_FINDINGS, ""
 
 
 def _run(given: argparse.Namespace, scenario: Scenario, watch: Any) -> Run:
@@ -110,19 +103,26 @@ def _run(given: argparse.Namespace, scenario: Scenario, watch: Any) -> Run:
         return run_scenario(scenario, _seldom(advance), watch)
 
 
-def _write(given: argparse.Namespace, result: Run) -> None:
-    from ospace.cli import progress
+def _kept(given: argparse.Namespace, result: Run) -> Iterator[bool]:
+    """Write what cannot be had again; yield of each file whether it was written."""
     from ospace.scenario import log
 
     if given.log:
-        log.save(result, given.log)
+        yield output.written(given.log, "log", lambda: log.save(result, given.log))
     if given.csv:
-        log.to_csv(result, given.csv)
-    if given.html and result.duration > 0.0:
-        from ospace.visual import run_report
+        yield output.written(given.csv, "tables", lambda: log.to_csv(result, given.csv))
 
-        with nullcontext() if given.headless else progress.bar(given, "drawing the report", 1):
-            run_report.save(result, given.html)
+
+def _reported(given: argparse.Namespace, result: Run) -> bool:
+    """Draw the report, if one is asked for; return whether nothing failed."""
+    from ospace.cli import progress
+
+    if not given.html:
+        return True
+    from ospace.visual import run_report
+
+    with nullcontext() if given.headless else progress.bar(given, "drawing the report", 1):
+        return output.written(given.html, "report", lambda: run_report.save(result, given.html))
 
 
 @contextmanager

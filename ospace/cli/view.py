@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import sys
 import time as clock
-from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -54,9 +53,7 @@ def add_to(verbs: Any) -> None:
     verb.add_argument(
         "--screenshot", metavar="PNG", type=_picture, help="write a picture, by a Chromium that is installed"
     )
-    verb.add_argument(
-        "--host", metavar="ADDRESS", default="127.0.0.1", help="address to serve at (default: %(default)s)"
-    )
+    verb.add_argument("--host", metavar="ADDRESS", help="address to serve at (default: 127.0.0.1, this machine alone)")
     verb.add_argument(
         "--port", metavar="N", type=_port, help="port to serve at (default: the first free one from 7000)"
     )
@@ -86,10 +83,19 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     from ospace.robot import SpaceRobot
     from ospace.visual import browser
 
+    if given.html or given.screenshot:
+        for option in ("host", "port"):
+            if getattr(given, option) is not None:
+                given.refuse_usage(f"--{option} tells where to serve: give it without --html and --screenshot")
+    if given.sweep and given.screenshot and not given.html:
+        given.refuse_usage("--screenshot is a still picture: give --html too, for the motion of --sweep")
     require_scene("a scene")
     if given.screenshot:
         browser.find()  # before any work is done
-    robot = SpaceRobot.from_urdf(find(given.urdf), package_dirs(given), free_mimic=given.free_mimic)
+    file = find(given.urdf)
+    output.distinct([file], [given.html, given.screenshot])
+    output.writable(given.html, given.screenshot)
+    robot = SpaceRobot.from_urdf(file, package_dirs(given), free_mimic=given.free_mimic)
     q = robot.configuration(_pose(given.pose, robot))
     scene = _scene(given, robot)
     scene.display(q)
@@ -114,7 +120,7 @@ def _pose(text: str, robot: SpaceRobot) -> dict[str, float]:
     """Read joint positions, as ``name=value,name=value``."""
     from ospace.exceptions import OspaceError
 
-    positions = {}
+    positions: dict[str, float] = {}
     for part in filter(None, (part.strip() for part in text.split(","))):
         name, equals, value = (piece.strip() for piece in part.rpartition("="))
         if not equals or not name:
@@ -123,6 +129,8 @@ def _pose(text: str, robot: SpaceRobot) -> dict[str, float]:
                 if robot.joint_names
                 else f"--pose '{part}': robot '{robot.name}' has no joint"
             )
+        if name in positions:
+            raise OspaceError(f"--pose '{part}': joint '{name}' is given twice")
         try:
             positions[name] = float(value)
         except ValueError:
@@ -134,8 +142,8 @@ def _sweep(given: argparse.Namespace, robot: SpaceRobot, q: Floats) -> FloatingM
     from ospace.cli import progress
     from ospace.simulation.reaction import sweep
 
-    with progress.bar(given, "moving every joint through its range", 1):
-        return sweep(robot, q)
+    with progress.bar(given, "moving every joint through its range, percent", 100) as advance:
+        return sweep(robot, q, progress=lambda share: advance(int(100.0 * share)))
 
 
 def _write(given: argparse.Namespace, scene: Scene, q: Floats) -> str:
@@ -143,27 +151,24 @@ def _write(given: argparse.Namespace, scene: Scene, q: Floats) -> str:
     from ospace.visual import browser
 
     written = []
-    with ExitStack() as files:
-        for file in filter(None, (given.screenshot, given.html)):
-            files.enter_context(output.writable(file))
-        if given.screenshot:
-            browser.screenshot(scene.html(), given.screenshot)
-            written.append(f"wrote {given.screenshot}\n")
-        if given.html:
-            if given.sweep:
-                motion = _sweep(given, scene.robot, q)
-                with progress.bar(given, "drawing the motion", 1):
-                    scene.animate(motion)
-            scene.save_html(given.html)
-            written.append(f"wrote {given.html}: {given.html.stat().st_size / 1e6:.1f} MB, opened by any browser\n")
+    if given.screenshot:
+        browser.screenshot(scene.html(), given.screenshot)
+        written.append(f"wrote {given.screenshot}\n")
+    if given.html:
+        if given.sweep:
+            motion = _sweep(given, scene.robot, q)
+            with progress.bar(given, "drawing the motion", 1):
+                scene.animate(motion)
+        scene.save_html(given.html)
+        written.append(f"wrote {given.html}: {given.html.stat().st_size / 1e6:.1f} MB, opened by any browser\n")
     return "".join(written)
 
 
 def _serve(given: argparse.Namespace, scene: Scene, motion: FloatingMotion | None) -> tuple[int, str]:
     """Serve until Ctrl-C, which is how it ends well."""
-    from ospace.visual.server import Server
+    from ospace.visual.server import LOOPBACK, Server
 
-    with Server(scene.content, given.host, given.port) as server:
+    with Server(scene.content, given.host or LOOPBACK, given.port) as server:
         print(f"{given.urdf} at {server.address} (Ctrl-C ends)", flush=True)
         try:
             while True:

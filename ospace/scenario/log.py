@@ -21,6 +21,7 @@ import pinocchio as pin
 
 import ospace
 from ospace.exceptions import OspaceError
+from ospace.files import replacing
 from ospace.kernels.tables import Floats
 from ospace.scenario.result import BASE, Contact, PhaseResult, Run, Segment, TaskErrors, Verdict
 from ospace.simulation import Certificate, Conserved, Trajectory
@@ -159,12 +160,8 @@ _FORMAT = "ospace run 1"
 def save(run: Run | Log, path: str | os.PathLike[str]) -> Path:
     """Write a run to ``path``, compressed; the suffix is ``.npz``. The file appears when it is whole."""
     file = Path(path).with_suffix(".npz")
-    part = file.with_name(f".{file.name}.part.npz")
-    try:
+    with replacing(file) as part:
         np.savez_compressed(part, **_content(run if isinstance(run, Log) else of(run)))
-        os.replace(part, file)
-    finally:
-        part.unlink(missing_ok=True)
     return file
 
 

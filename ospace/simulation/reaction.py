@@ -29,8 +29,9 @@ Joints = Callable[[float], tuple[Floats, Floats]]
 """From time, s, to how far the joints have moved (n,) since the start, and their rates (n,); rad, m."""
 _STEP = 0.02  # s
 _GAUSS = 0.5 / math.sqrt(3.0)
-_TURN, _SHIFT = math.pi, 0.5  # rad, m: range to either side of a joint without limits
-_PAUSE, _PACE = 0.4, 0.4  # s of every leg of a sweep, and s per rad or m beside them
+_TURN, _SHIFT = math.pi, 1.0  # rad, m: to either side of a joint whose range is wider than both
+_PAUSE, _PACE = 0.4, 0.4  # s of every way of a sweep, and s per rad or m beside them
+_LONGEST = 4.0  # s of a way
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,14 @@ class FloatingMotion:
     v: Floats
 
 
-def react(robot: SpaceRobot, q: npt.ArrayLike, joints: Joints, duration: float) -> FloatingMotion:
+def react(
+    robot: SpaceRobot,
+    q: npt.ArrayLike,
+    joints: Joints,
+    duration: float,
+    *,
+    progress: Callable[[float], None] | None = None,
+) -> FloatingMotion:
     """Let the joints move, and the base react.
 
     Parameters
@@ -62,6 +70,8 @@ def react(robot: SpaceRobot, q: npt.ArrayLike, joints: Joints, duration: float) 
         Of time: how far the joints have moved since the start, (n,), and their rates, (n,); smooth. rad, m, s.
     duration : float
         s.
+    progress : function, optional
+        Called with the share that is done, 0 to 1, after each step; Ctrl-C may be raised in it.
 
     Raises
     ------
@@ -95,15 +105,27 @@ def react(robot: SpaceRobot, q: npt.ArrayLike, joints: Joints, duration: float) 
         Q[k, :7] = pin.SE3ToXYZQUAT(pin.SE3(R, p))
         first, second = (twist(t + (0.5 + side) * h)[1][3:6] for side in (-_GAUSS, _GAUSS))
         R = R @ pin.exp3(0.5 * h * (first + second) + h * h * math.sqrt(3.0) / 12.0 * np.cross(first, second))
+        if progress is not None:
+            progress(k / steps)
     return FloatingMotion(time, Q, V)
 
 
-def sweep(robot: SpaceRobot, q: npt.ArrayLike) -> FloatingMotion:
+def sweep(robot: SpaceRobot, q: npt.ArrayLike, *, progress: Callable[[float], None] | None = None) -> FloatingMotion:
     """Move one joint after the other from `q` to its upper limit, to its lower one and back, the base reacting.
 
-    Each way is one of minimum jerk.
+    Each way is one of minimum jerk and takes 4 s at most, so the whole at most 12 s for each degree of freedom.
 
-    A joint without limits turns by half a turn to either side, or shifts by half a metre.
+    A range of up to a turn, or two metres, is gone through as a whole. Where it is wider, or a limit is missing, a joint
+    turns by half a turn to either side of `q`, or shifts by a metre, unless a limit comes first. What both turns and
+    shifts, as a screw, turns.
+
+    Parameters
+    ----------
+    robot : SpaceRobot
+    q : (nq,)
+        Start, at rest.
+    progress : function, optional
+        As of `react`.
 
     Raises
     ------
@@ -117,10 +139,11 @@ def sweep(robot: SpaceRobot, q: npt.ArrayLike) -> FloatingMotion:
     begin = 0.0
     for i, (low, high) in enumerate(_ranges(robot, start)):
         for here, there in ((0.0, high), (high, low), (low, 0.0)):
-            lasts = _STEP * math.ceil((_PAUSE + _PACE * abs(there - here)) / _STEP)  # no step across two ways
+            lasts = min(_LONGEST, _PAUSE + _PACE * abs(there - here))
+            lasts = _STEP * math.ceil(lasts / _STEP - 1e-6)  # no step across two ways
             legs.append((begin, lasts, i, here, there))
             begin += lasts
-    return react(robot, start, _along(legs, robot.n_joints), begin)
+    return react(robot, start, _along(legs, robot.n_joints), begin, progress=progress)
 
 
 def _along(legs: Sequence[tuple[float, float, int, float, float]], n: int) -> Joints:
@@ -140,15 +163,21 @@ def _along(legs: Sequence[tuple[float, float, int, float, float]], n: int) -> Jo
 
 def _ranges(robot: SpaceRobot, q: Floats) -> list[tuple[float, float]]:
     """Return how far each degree of freedom of the joints may move down and up from `q`."""
-    model, ranges = robot.model, []
+    model, data, ranges = robot.model, robot.model.createData(), []
+    columns = pin.computeJointJacobians(model, data, q)
     for j in range(2, model.njoints):
-        straight = model.joints[j].shortname().startswith(("JointModelP", "JointModelTranslation"))
-        free = _SHIFT if straight else _TURN
-        for _ in range(model.nvs[j]):
-            low, high = -free, free
-            if model.nqs[j] == 1:
-                k = model.idx_qs[j]
-                lower, upper = model.lowerPositionLimit[k] - q[k], model.upperPositionLimit[k] - q[k]
-                low, high = (own if np.isfinite(own) else other for own, other in ((lower, low), (upper, high)))
-            ranges.append((float(low), float(high)))
+        for i in range(model.nvs[j]):
+            turns = np.abs(columns[3:, model.idx_vs[j] + i]).max() > 0.0
+            most = _TURN if turns else _SHIFT
+            low, high, at = -math.inf, math.inf, 0.0
+            if model.nqs[j] == model.nvs[j]:  # of others, coordinates are no degrees of freedom
+                k = model.idx_qs[j] + i
+                low, high, at = model.lowerPositionLimit[k], model.upperPositionLimit[k], q[k]
+            if high - low <= 2.0 * most:
+                most *= 2.0  # the farthest that a limit is away, unless `at` is beyond the other
+            ranges.append((_within(low - at, most), _within(high - at, most)))
     return ranges
+
+
+def _within(way: float, most: float) -> float:
+    return min(max(way, -most), most)

@@ -13,6 +13,7 @@ import pinocchio as pin
 
 import ospace
 from ospace.exceptions import printable
+from ospace.files import replacing
 from ospace.urdf import explain
 from ospace.urdf.bodies import Body, bodies_of, tensor_of
 from ospace.urdf.codes import CODES
@@ -80,9 +81,10 @@ def save(
     folders : sequence of Path
         The URDF, then folders of packages: where meshes are looked up.
     """
-    file = Path(path)
-    file.write_text(render(report, description, urdf=urdf, folders=folders), encoding="utf-8")
-    return file
+    text = render(report, description, urdf=urdf, folders=folders)
+    with replacing(path) as part:
+        part.write_text(text, encoding="utf-8")
+    return Path(path)
 
 
 def render(report: Report, description: Description, *, urdf: str, folders: Sequence[Path]) -> str:

@@ -20,6 +20,7 @@ from lxml import etree
 
 from ospace.exceptions import printable
 from ospace.extras import require as require_extra
+from ospace.files import replacing
 from ospace.kernels.tables import Floats, Ints
 from ospace.scenario.result import PhaseResult
 from ospace.scenario.series import Series
@@ -178,8 +179,8 @@ def figure(
 
 def save(made: Figure, path: Path) -> None:
     """Write a figure; the suffix tells the format."""
-    with _settings("figure"):
-        made.savefig(path, dpi=150, metadata=_UNDATED.get(path.suffix))
+    with _settings("figure"), replacing(path) as part:
+        made.savefig(part, dpi=150, metadata=_UNDATED.get(path.suffix))
 
 
 def svg(series: Series, phases: Sequence[PhaseResult] = (), *, dark: bool) -> Panel:

@@ -8,8 +8,12 @@ from os import PathLike
 from pathlib import Path
 
 import numpy as np
+import pinocchio as pin
 
+from ospace.exceptions import OspaceError
+from ospace.files import replacing
 from ospace.kernels.tables import Floats
+from ospace.robot import SpaceRobot
 from ospace.scenario import Run, Scenario, log, series, words
 from ospace.visual import page, plots
 from ospace.visual.scene import Scene
@@ -28,9 +32,10 @@ class WholeMotion:
 
 def save(run: Run, path: str | PathLike[str]) -> Path:
     """Write the report of a run to one HTML file, which asks for nothing; return its path."""
-    file = Path(path)
-    file.write_text(render(run), encoding="utf-8")
-    return file
+    text = render(run)
+    with replacing(path) as part:
+        part.write_text(text, encoding="utf-8")
+    return Path(path)
 
 
 def render(run: Run) -> str:
@@ -87,7 +92,15 @@ def animate(scene: Scene, run: Run) -> None:
 
 
 def motions_of(run: Run) -> tuple[WholeMotion, ...]:
-    """Return the motion of the chaser, and of the target if there is one, each over all segments of a run."""
+    """Return the motion of the chaser, and of the target if there is one, each over all segments of a run.
+
+    A target that has one record, of a run that ended within its first control cycle, goes on as it moved then.
+
+    Raises
+    ------
+    OspaceError
+        Nothing has moved: the run ended before its first step.
+    """
     parts: list[list[tuple[Floats, Floats, Floats]]] = [[], []]
     for segment in run.segments:
         trajectory = segment.trajectory
@@ -99,7 +112,20 @@ def motions_of(run: Run) -> tuple[WholeMotion, ...]:
         parts[0].append((trajectory.time, trajectory.q, trajectory.v))
         if segment.target is not None:
             parts[1].append((segment.target_time, segment.target_q, segment.target_v))
-    return tuple(_joined(one) for one in parts if one)
+    motions = [_joined(one) for one in parts if one]
+    if not motions or len(motions[0].time) < 2:
+        raise OspaceError("the run ended before its first step: nothing has moved")
+    scenario, time = run.scenario, motions[0].time
+    robots = [scenario.robot] if scenario.target is None else [scenario.robot, scenario.target.robot]
+    return tuple(_going_on(one, robot, time) for one, robot in zip(motions, robots, strict=True))
+
+
+def _going_on(motion: WholeMotion, robot: SpaceRobot, time: Floats) -> WholeMotion:
+    if len(motion.time) > 1:
+        return motion
+    (q,), (v,) = motion.q, motion.v
+    later = np.asarray(pin.integrate(robot.model, q, (time[-1] - time[0]) * v))
+    return WholeMotion(time[[0, -1]], np.array([q, later]), np.array([v, v]))
 
 
 def _joined(parts: Sequence[tuple[Floats, Floats, Floats]]) -> WholeMotion:
