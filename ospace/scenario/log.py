@@ -7,6 +7,7 @@ where ``{"array": name}`` stands for an array.
 from __future__ import annotations
 
 import json
+import math
 import os
 import platform
 import zipfile
@@ -20,11 +21,12 @@ import numpy as np
 import pinocchio as pin
 
 import ospace
-from ospace.exceptions import OspaceError
+from ospace.exceptions import OspaceError, printable
 from ospace.files import replacing
 from ospace.kernels.tables import Floats
 from ospace.scenario.result import BASE, Contact, PhaseResult, Run, Segment, TaskErrors, Verdict
 from ospace.simulation import Certificate, Conserved, Trajectory
+from ospace.simulation.certificate import LIMITS
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,7 +168,13 @@ def save(run: Run | Log, path: str | os.PathLike[str]) -> Path:
 
 
 def load(path: str | os.PathLike[str]) -> Log:
-    """Read what `save` wrote; raises `OspaceError` if the file cannot be read or holds something else."""
+    """Read what `save` wrote.
+
+    Raises
+    ------
+    OspaceError
+        The file cannot be read, or holds something else; an array that fits nothing is named.
+    """
     try:
         with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
             stored: dict[str, Any] = {name: file[name] for name in file.files}
@@ -176,13 +184,15 @@ def load(path: str | os.PathLike[str]) -> Log:
         about = json.loads(str(stored.pop(_ABOUT)))
         if about.pop("format") != _FORMAT:
             raise KeyError
-        log = _log(_unpacked(about, stored))
+        return _log(_unpacked(about, stored))
+    except OspaceError as error:
+        why = f": {error}"
     except (KeyError, TypeError, ValueError, AttributeError):
-        raise OspaceError(
-            f"{path}: holds no run of a scenario as ospace {ospace.__version__} writes it: run the scenario again, "
-            f"with --log"
-        ) from None
-    return log
+        why = ""
+    raise OspaceError(
+        f"{path}{why}: holds no run of a scenario as ospace {ospace.__version__} writes it: run the scenario again, "
+        f"with --log"
+    )
 
 
 def _content(log: Log) -> dict[str, Any]:
@@ -225,20 +235,16 @@ def _unpacked(value: Any, arrays: Mapping[str, Any]) -> Any:
 def _log(known: dict[str, Any]) -> Log:
     """Make a log of what was read; raises where something is missing, unknown, or of a shape that fits nothing."""
     segments, phases = [], []
-    for one in known["segments"]:
+    for k, one in enumerate(known["segments"]):
         target = TargetMotion(**one["target"]) if one["target"] is not None else None
         segment = LoggedSegment(**one | {"trajectory": Trajectory(**one["trajectory"]), "target": target})
-        _of_length(len(segment.joints), segment.torque_limits, segment.trajectory.torque.T)
-        run = segment.trajectory
-        values = [getattr(run, each.name) for each in fields(run) if each.name != "frame_velocity"]
-        _of_length(len(run), *(value for value in values if isinstance(value, np.ndarray)))
+        _fit_segment(f"segments/{k}", segment)
         segments.append(segment)
-    for one in known["phases"]:
+    for k, one in enumerate(known["phases"]):
         errors = {task: TaskErrors(**each) for task, each in one["errors"].items()}
         grasp = Contact(**one["grasp"]) if one["grasp"] is not None else None
         phase = PhaseResult(**one | {"errors": errors, "grasp": grasp})
-        norms = [each.norms for each in errors.values()]
-        _of_length(len(phase.time), phase.cycle_time, *norms, *phase.sigma_min.values(), *phase.poses.values())
+        _fit_phase(f"phases/{k}", phase)
         known_points = {BASE, *phase.poses}
         if not 0 <= phase.segment < len(segments) or not all(
             known_points >= {*each.points} for each in errors.values()
@@ -246,12 +252,86 @@ def _log(known: dict[str, Any]) -> Log:
             raise ValueError
         phases.append(phase)
     certificate = Certificate(tuple(Conserved(**one) for one in known["certificate"]["quantities"]))
+    _are(str, *(one.name for one in certificate.quantities))
+    _are(float, *(certificate[name].limit for name in LIMITS if segments))
     return Log(**known | {"segments": tuple(segments), "phases": tuple(phases), "certificate": certificate})
 
 
-def _of_length(length: int, *arrays: Floats) -> None:
-    if any(len(array) != length for array in arrays):
-        raise ValueError
+def _fit_segment(name: str, segment: LoggedSegment) -> None:
+    run, joints = segment.trajectory, len(segment.joints)
+    _are(str, *segment.joints)
+    _are(float, run.total_mass, run.largest_inertia)
+    records = _fit_times(f"{name}/trajectory/time", run.time)
+    if records == 0:
+        raise OspaceError(f"array '{name}/trajectory/time' is empty")
+    _fit(f"{name}/torque_limits", segment.torque_limits, joints)
+    _fit(f"{name}/trajectory/frame_velocity", run.frame_velocity, 3)
+    for array, columns in _COLUMNS.items():
+        _fit(f"{name}/trajectory/{array}", getattr(run, array), records, *columns)
+    _fit(f"{name}/trajectory/torque", run.torque, records, joints)
+    motions: list[tuple[str, Trajectory | TargetMotion]] = [(f"{name}/trajectory", run)]
+    if segment.target is not None:
+        motions.append((f"{name}/target", segment.target))
+    for where, motion in motions:
+        length = _fit_times(f"{where}/time", motion.time)
+        _fit(f"{where}/q", motion.q, length, None, least=7)
+        _fit(f"{where}/v", motion.v, length, None, least=6)
+
+
+def _fit_phase(name: str, phase: PhaseResult) -> None:
+    _are(str, phase.name)
+    _are(float, phase.start, phase.end)
+    cycles = _fit_times(f"{name}/time", phase.time)
+    _fit(f"{name}/cycle_time", phase.cycle_time, cycles)
+    for task, errors in phase.errors.items():
+        _fit(f"{name}/errors/{task}/norms", errors.norms, cycles, 2)
+        linear, angular = errors.units
+        _are(str, linear, angular)
+    for task, values in phase.sigma_min.items():
+        _fit(f"{name}/sigma_min/{task}", values, cycles)
+    for point, poses in phase.poses.items():
+        _fit(f"{name}/poses/{point}", poses, cycles, 7)
+    if phase.grasp is not None:
+        _fit(f"{name}/grasp/impulse", phase.grasp.impulse, 6)
+        _fit(f"{name}/grasp/velocity_error", phase.grasp.velocity_error, 6)
+
+
+_COLUMNS: dict[str, tuple[int, ...]] = {
+    "base_wrench": (6,),
+    "wheel_torque": (3,),
+    "wheel_momentum": (3,),
+    "momentum": (6,),
+    "mass_centre": (3,),
+    "kinetic_energy": (),
+    "work": (),
+    "impulse": (6,),
+    "rotation_drift": (),
+}
+"""Of arrays of a trajectory with a row for each record."""
+
+
+def _are(kind: type, *values: Any) -> None:
+    """Raise where one is of another kind, or no finite number that is not negative."""
+    for value in values:
+        if not isinstance(value, kind) or (isinstance(value, float) and not 0.0 <= value < math.inf):
+            raise TypeError
+
+
+def _fit(name: str, array: Floats, *shape: int | None, least: int = 0) -> None:
+    """Raise where an array has another shape; None is any number from `least` on."""
+    found = array.shape
+    fits = (size >= least if wanted is None else size == wanted for size, wanted in zip(found, shape, strict=False))
+    if len(found) != len(shape) or not all(fits):
+        wanted = " × ".join(f"{least} or more" if size is None else str(size) for size in shape)
+        raise OspaceError(printable(f"array '{name}' is {' × '.join(map(str, found))}, not {wanted}"))
+
+
+def _fit_times(name: str, time: Floats) -> int:
+    """Return the number of times; raise where they are no list, not finite, or decrease."""
+    _fit(name, time, None)
+    if not np.isfinite(time).all() or (np.diff(time) < 0.0).any():
+        raise OspaceError(f"array '{name}' holds times that are not finite, or decrease")
+    return len(time)
 
 
 # -- a folder ----------------------------------------------------------------------------------------------------

@@ -115,9 +115,9 @@ def sweep(robot: SpaceRobot, q: npt.ArrayLike, *, progress: Callable[[float], No
 
     Each way is one of minimum jerk and takes 4 s at most, so the whole at most 12 s for each degree of freedom.
 
-    A range of up to a turn, or two metres, is gone through as a whole. Where it is wider, or a limit is missing, a joint
-    turns by half a turn to either side of `q`, or shifts by a metre, unless a limit comes first. What both turns and
-    shifts, as a screw, turns.
+    A range of up to a turn, or two metres, is gone through as a whole. Where it is wider, or a limit is missing, a
+    joint turns by half a turn to either side of `q`, or shifts by a metre, unless a limit comes first. What both turns
+    and shifts, as a screw, turns.
 
     Parameters
     ----------
