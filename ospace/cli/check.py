@@ -121,17 +121,14 @@ def _check(given: argparse.Namespace) -> tuple[int, str]:
     status = EXIT_FINDINGS if result.errors else 0
     if not given.html:
         return status, text
-    from ospace.visual import check_report
+
+    def report() -> None:
+        from ospace.visual import check_report
+
+        check_report.save(result, description, given.html, urdf=given.urdf, folders=[file, *folders])
 
     given.refuse_if_interrupted()  # which an import may have swallowed: nothing is printed then
-    done = [
-        output.printed(text),
-        output.written(
-            given.html,
-            "report",
-            lambda: check_report.save(result, description, given.html, urdf=given.urdf, folders=[file, *folders]),
-        ),
-    ]
+    done = [output.printed(text), output.written(given.html, "report", report)]
     if not all(done):
         return EXIT_USAGE, ""
     return status, "" if given.json else f"wrote {given.html}\n"

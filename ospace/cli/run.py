@@ -119,10 +119,14 @@ def _reported(given: argparse.Namespace, result: Run) -> bool:
 
     if not given.html:
         return True
-    from ospace.visual import run_report
+
+    def report() -> None:
+        from ospace.visual import run_report
+
+        run_report.save(result, given.html)
 
     with nullcontext() if given.headless else progress.bar(given, "drawing the report", 1):
-        return output.written(given.html, "report", lambda: run_report.save(result, given.html))
+        return output.written(given.html, "report", report)
 
 
 @contextmanager
