@@ -172,7 +172,7 @@ def _ranges(robot: SpaceRobot, q: Floats) -> list[tuple[float, float]]:
             low, high, at = -math.inf, math.inf, 0.0
             if model.nqs[j] == model.nvs[j]:  # of others, coordinates are no degrees of freedom
                 k = model.idx_qs[j] + i
-                low, high, at = model.lowerPositionLimit[k], model.upperPositionLimit[k], q[k]
+                low, high, at = map(float, (model.lowerPositionLimit[k], model.upperPositionLimit[k], q[k]))
             if high - low <= 2.0 * most:
                 most *= 2.0  # the farthest that a limit is away, unless `at` is beyond the other
             ranges.append((_within(low - at, most), _within(high - at, most)))

@@ -109,9 +109,9 @@ def test_an_existing_file_is_written_anew(plot, logged, tmp_path):
         (["first.npz", "--out", "x.doc"], "ends neither in .svg nor .png nor .pdf"),
         (["first.npz", "--out", "nowhere/x.svg"], "no such folder 'nowhere'"),
         (["first.npz", "--out", "folder.svg"], "is a folder"),
-        (["log.svg"], "is a log to read"),
-        (["first.npz", "log.svg", "--out", "log.svg"], "log.svg: is a log to read; give another file with --out"),
-        (["first.npz", "--out", "link.svg"], "link.svg: is a log to read"),
+        (["log.svg"], "log.svg: is what is read, log.svg; give another file"),
+        (["first.npz", "log.svg", "--out", "log.svg"], "log.svg: is what is read, log.svg"),
+        (["first.npz", "--out", "link.svg"], "link.svg: is what is read, first.npz"),
     ],
 )
 def test_wrong_use(plot, logged, tmp_path, arguments, words):
@@ -127,6 +127,36 @@ def test_wrong_use(plot, logged, tmp_path, arguments, words):
     assert words in err
     assert "Traceback" not in err
     assert {file.name: file.stat().st_size for file in tmp_path.iterdir()} == before
+
+
+def test_a_log_with_an_array_that_fits_nothing(plot, logged, tmp_path):
+    with np.load(logged[0]) as read:
+        stored = {name: read[name] for name in read.files}
+    for name, value, words in (
+        ("segments/0/trajectory/time", stored["segments/0/trajectory/time"] * np.nan, "not finite, or decrease"),
+        ("segments/0/trajectory/q", stored["segments/0/trajectory/q"][:, :5], "× 5, not"),
+        ("phases/0/sigma_min/tip", stored["phases/0/sigma_min/tip"].reshape(-1, 1), "× 1, not"),
+    ):
+        np.savez(tmp_path / "odd.npz", **stored | {name: value})
+        status, out, err = plot("odd.npz")
+        assert (status, out) == (2, "")
+        assert err.startswith(f"ospace: error: odd.npz: array '{name}' ")
+        assert words in err
+        assert [file.name for file in tmp_path.iterdir()] == ["odd.npz"]
+
+
+def test_a_plot_that_fails_leaves_what_was_there(plot, logged, monkeypatch, tmp_path):
+    """Also where it fails half way."""
+    (tmp_path / "first.svg").write_text("before")
+
+    def half(self, path, **options):
+        Path(path).write_text("half")
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", half)
+    assert plot(logged[0])[0] == 2
+    assert [file.name for file in tmp_path.iterdir()] == ["first.svg"]
+    assert (tmp_path / "first.svg").read_text() == "before"
 
 
 def test_a_run_that_ended_at_once(plot, logged, tmp_path):

@@ -117,6 +117,67 @@ def test_what_is_no_log(run, tmp_path, change):
         log.load(file)
 
 
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        *(
+            (f"segments/0/trajectory/{name}", change)
+            for name in ("time", "q", "v", "torque", "momentum", "work", "impulse", "mass_centre", "rotation_drift")
+            for change in (lambda a: a[1:], lambda a: a[..., None], lambda a: np.float64(1.0))
+        ),
+        ("segments/0/trajectory/time", lambda a: a[::-1]),
+        ("segments/0/trajectory/time", lambda a: a * np.nan),
+        ("segments/0/trajectory/time", lambda a: np.r_[a[:-1], np.inf]),
+        ("segments/0/trajectory/q", lambda a: a[:, :5]),
+        ("segments/0/trajectory/v", lambda a: a[:, :5]),
+        ("segments/0/trajectory/torque", lambda a: a[:, :1]),
+        ("segments/0/trajectory/base_wrench", lambda a: a[:, :5]),
+        ("segments/0/trajectory/frame_velocity", lambda a: a[:2]),
+        ("segments/0/torque_limits", lambda a: a[:1]),
+        ("segments/0/target/q", lambda a: a[1:]),
+        ("segments/0/target/time", lambda a: a[::-1]),
+        ("phases/0/time", lambda a: a[::-1]),
+        ("phases/0/cycle_time", lambda a: a[1:]),
+        ("phases/0/errors/tip/norms", lambda a: a[:, :1]),
+        ("phases/0/sigma_min/tip", lambda a: a[:, None]),
+        ("phases/0/poses/end_effector", lambda a: a[:, :6]),
+        ("phases/0/grasp/impulse", lambda a: a[:3]),
+    ],
+)
+def test_an_array_that_fits_nothing_is_named(run, tmp_path, name, change):
+    file = log.save(run, tmp_path / "out.npz")
+    changed(file, lambda about, stored: stored.update({name: change(stored[name])}))
+    with pytest.raises(ospace.OspaceError, match=r"out\.npz: array '(.*)' .*run the scenario again") as told:
+        log.load(file)
+    assert name.rpartition("/")[0] in str(told.value)  # where two differ in length, either is named
+
+
+def without_records(about, stored):
+    for name, array in stored.items():
+        if name.startswith("segments/0/trajectory/") and not name.endswith("frame_velocity"):
+            stored[name] = array[:0]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        without_records,
+        lambda about, stored: about["segments"][0].update(joints=[1, 2]),
+        lambda about, stored: about["segments"][0]["trajectory"].update(total_mass="heavy"),
+        lambda about, stored: about["segments"][0]["trajectory"].update(largest_inertia=-1.0),
+        lambda about, stored: about["phases"][0].update(end=math.nan),
+        lambda about, stored: about["phases"][0].update(name=None),
+        lambda about, stored: about["phases"][0]["errors"]["tip"].update(units=["m"]),
+        lambda about, stored: about["certificate"].update(quantities=[]),
+    ],
+)
+def test_what_no_run_tells(run, tmp_path, change):
+    file = log.save(run, tmp_path / "out.npz")
+    changed(file, change)
+    with pytest.raises(ospace.OspaceError, match="run the scenario again"):
+        log.load(file)
+
+
 @pytest.mark.parametrize("content", [b"", b"nothing", b"PK\x03\x04 broken", "an array", "damaged"])
 def test_what_cannot_be_read(run, tmp_path, content):
     file = tmp_path / "a.npz"

@@ -1,5 +1,6 @@
 """The base answers its joints so that momentum stays zero and the mass centre where it is, by Pinocchio's account."""
 
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -162,3 +163,95 @@ def test_bad_input():
         sweep(
             SpaceRobot.from_urdf(MODELS / "target.urdf"), SpaceRobot.from_urdf(MODELS / "target.urdf").configuration()
         )
+
+
+# -- how far and how long a sweep goes ---------------------------------------------------------------------------
+
+
+@pytest.fixture
+def hinged(tmp_path):
+    """Make a body with another on a joint."""
+
+    def made(kind, limits):
+        body = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+        file = tmp_path / "r.urdf"
+        file.write_text(
+            f'<robot name="r"><link name="a">{body}</link><link name="b">{body}</link><joint name="j" type="{kind}">'
+            f'<parent link="a"/><child link="b"/><axis xyz="0 0 1"/>{limits}</joint></robot>'
+        )
+        return SpaceRobot.from_urdf(file)
+
+    return made
+
+
+def limit(lower, upper):
+    return f'<limit lower="{lower}" upper="{upper}" effort="1" velocity="1"/>'
+
+
+@pytest.mark.parametrize(
+    ("kind", "limits", "at", "expected"),
+    [
+        ("revolute", limit(-1.0, 2.0), 0.5, (-1.0, 2.0)),
+        ("revolute", limit(-4.1, 0.1), 0.0, (-4.1, 0.1)),
+        ("revolute", limit(-1e9, 1e9), 0.0, (-np.pi, np.pi)),
+        ("revolute", limit(-6283.0, 6283.0), 10.0, (10.0 - np.pi, 10.0 + np.pi)),
+        ("revolute", limit(-6.28, 6.28), 6.0, (6.0 - np.pi, 6.28)),
+        ("continuous", "", 0.3, (0.3 - np.pi, 0.3 + np.pi)),
+        ("prismatic", limit(0.0, 1.5), 0.0, (0.0, 1.5)),
+        ("prismatic", limit(-1000.0, 1000.0), 0.0, (-1.0, 1.0)),
+        ("prismatic", limit(-1000.0, 0.2), 0.0, (-1.0, 0.2)),
+    ],
+)
+def test_a_range_that_is_too_wide_is_cut(hinged, kind, limits, at, expected):
+    robot = hinged(kind, limits)
+    q = robot.configuration({"j": at})
+    motion = sweep(robot, q)
+    moved = np.r_[0.0, np.cumsum([pin.difference(robot.model, a, b)[6] for a, b in itertools.pairwise(motion.q)])]
+    np.testing.assert_allclose(at + np.array([moved.min(), moved.max()]), expected, rtol=0, atol=1e-9)
+    assert motion.time[-1] < 12.1
+
+
+def test_a_joint_far_beyond_its_limits_takes_no_longer(hinged):
+    robot = hinged("revolute", limit(-1.0, 1.0))
+    motion = sweep(robot, robot.configuration({"j": 1e6}))
+    assert motion.time[-1] < 12.1
+    assert np.ptp(motion.q[:, 7]) <= 4.0 * np.pi
+
+
+@pytest.mark.parametrize(
+    ("kind", "turning"),
+    [
+        ("planar", [False, False, True]),
+        ("floating", [False] * 3 + [True] * 3),
+        ("spherical", [True] * 3),
+        ("spherical by angles", [True] * 3),
+        ("translation", [False] * 3),
+        ("universal", [True] * 2),
+        ("helical", [True]),
+        ("composite", [True, False]),
+        ("prismatic along any axis", [False]),
+    ],
+)
+def test_what_turns_and_what_shifts(kind, turning):
+    """Half a turn to either side, or a metre: by the columns of the joint, whatever it is called."""
+    robot = trees.tree(1, 1, types=(kind,))
+    motion = sweep(robot, pin.neutral(robot.model))
+    moved = np.cumsum([pin.difference(robot.model, a, b)[6:] for a, b in itertools.pairwise(motion.q)], axis=0)
+    np.testing.assert_allclose(moved.max(axis=0), np.where(turning, np.pi, 1.0), rtol=1e-6)
+    np.testing.assert_allclose(moved.min(axis=0), np.where(turning, -np.pi, -1.0), rtol=1e-6)
+
+
+def test_progress_of_a_sweep():
+    robot = SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")
+    shares = []
+    motion = sweep(robot, robot.configuration(), progress=shares.append)
+    assert len(shares) == len(motion.time)
+    assert (shares[0], shares[-1]) == (0.0, 1.0)
+    assert (np.diff(shares) > 0.0).all()
+
+    def interrupted(share):
+        if share > 0.1:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        sweep(robot, robot.configuration(), progress=interrupted)
