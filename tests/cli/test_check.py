@@ -383,8 +383,26 @@ def test_a_page_does_not_overwrite_the_robot(run, urdf):
     before = file.read_bytes()
     status, out, err = run("check", file, "--html", file)
     assert (status, out) == (2, "")
-    assert "is the robot itself" in err
+    assert f"{file}: is what is read, {file}; give another file" in err
     assert file.read_bytes() == before
+
+
+@pytest.mark.parametrize("options", [[], ["--json"]], ids=["tables", "document"])
+def test_what_was_found_outlives_a_page_that_cannot_be_written(run, options):
+    before = run("check", "planar_2r", "--samples", 2, *options)
+    after = run("check", "planar_2r", "--samples", 2, *options, "--html", "/dev/full")
+    assert after == (2, before[1], "ospace: error: /dev/full: no report: No space left on device\n")
+
+
+def test_what_was_found_outlives_ctrl_c_while_the_page_is_drawn(run, page, monkeypatch):
+    def interrupted(*given, **options):
+        raise KeyboardInterrupt
+
+    before = run("check", "planar_2r", "--samples", 2)
+    monkeypatch.setattr("ospace.visual.check_report.render", interrupted)
+    after = run("check", "planar_2r", "--samples", 2, "--html", page)
+    assert after == (130, before[1], "ospace: interrupted\n")
+    assert list(page.parent.iterdir()) == []
 
 
 def test_without_the_extra_it_is_told_how_to_get_it(run, monkeypatch, page):

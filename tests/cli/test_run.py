@@ -12,12 +12,13 @@ import sys
 import time
 from pathlib import Path
 
+import missions
 import numpy as np
 import pytest
 
 import ospace
 from ospace.cli.main import main
-from ospace.scenario import log
+from ospace.scenario import log, running
 
 ROOT = Path(ospace.__file__).parents[1]
 SECONDS = 120
@@ -230,6 +231,104 @@ def test_ctrl_c_keeps_what_was_run(made, terminal, tmp_path):
     lines = out.decode().splitlines()
     assert re.match(r"interrupted: .*: 0 of 2 phases complete", lines[-1])
     assert f"{stored.phases[0].end:.3f}  interrupted" in out.decode()
+
+
+# -- nothing is lost ---------------------------------------------------------------------------------------------
+
+
+def test_log_and_table_outlive_a_report_that_cannot_be_written(run, made, tmp_path):
+    file, npz = made(), tmp_path / "out.npz"
+    status, out, err = run(file, "--log", npz, "--html", "/dev/full")
+    assert status == 2
+    assert out.splitlines()[-1].startswith("passed: ")
+    assert err == "ospace: error: /dev/full: no report: No space left on device\n"
+    assert log.load(npz).passed
+
+
+def test_table_and_report_outlive_a_log_that_cannot_be_written(run, made, tmp_path):
+    file, npz, html = made(), tmp_path / "out.npz", tmp_path / "out.html"
+    npz.symlink_to("/dev/full")
+    status, out, err = run(file, "--log", npz, "--csv", tmp_path / "csv", "--html", html)
+    assert status == 2
+    assert out.splitlines()[-1].startswith("passed: ")
+    assert err == f"ospace: error: {npz}: no log: No space left on device\n"
+    assert html.stat().st_size > 100_000
+    assert (tmp_path / "csv" / "phases.csv").exists()
+
+
+def test_log_and_table_outlive_ctrl_c_while_the_report_is_drawn(run, made, tmp_path, monkeypatch):
+    def interrupted(run):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("ospace.visual.run_report.render", interrupted)
+    file, npz = made(), tmp_path / "out.npz"
+    status, out, err = run(file, "--log", npz, "--html", tmp_path / "out.html")
+    assert (status, err) == (130, "ospace: interrupted\n")
+    assert out.splitlines()[-1].startswith("passed: ")
+    assert log.load(npz).passed
+    assert sorted(one.name for one in tmp_path.iterdir()) == ["made.toml", "out.npz"]
+
+
+@pytest.fixture
+def interrupt_after(monkeypatch):
+    """End a run by Ctrl-C after some steps."""
+
+    def call(steps):
+        done = 0
+
+        def stepped(self, time):
+            nonlocal done
+            done += 1
+            if done > steps:
+                os.kill(os.getpid(), signal.SIGINT)
+            return honest(self, time)
+
+        honest = running._Conductor.stepped
+        monkeypatch.setattr(running._Conductor, "stepped", stepped)
+
+    return call
+
+
+@pytest.mark.parametrize("text", [SHORT, missions.MISSION], ids=["alone", "with a target"])
+def test_ctrl_c_before_the_first_step(run, made, tmp_path, interrupt_after, text):
+    interrupt_after(0)
+    html, npz = tmp_path / "out.html", tmp_path / "out.npz"
+    status, out, err = run(made(text), "--log", npz, "--html", html)
+    assert status == 130
+    assert out.splitlines()[-1].startswith("interrupted: ")
+    told = f"ospace: error: {html}: no report: the run ended before its first step: nothing has moved\n"
+    assert err == f"{told}ospace: interrupted\n"
+    assert sorted(one.name for one in tmp_path.iterdir()) == ["made.toml", "out.npz"]
+    assert log.load(npz).interrupted
+
+
+@pytest.mark.parametrize("steps", [1, 3])
+def test_ctrl_c_after_a_step_or_three(run, made, tmp_path, interrupt_after, steps):
+    """A target then has one record, or two."""
+    interrupt_after(steps)
+    status, out, err = run(made(missions.MISSION), "--html", tmp_path / "out.html")
+    assert (status, err) == (130, "ospace: interrupted\n")
+    assert out.splitlines()[-1].startswith("interrupted: ")
+    assert (tmp_path / "out.html").stat().st_size > 100_000
+
+
+@pytest.mark.parametrize("options", [["--html", "made.toml"], ["--csv", "made.toml"], ["--log", "link.npz"]])
+def test_a_scenario_is_not_overwritten(run, made, tmp_path, monkeypatch, options):
+    monkeypatch.chdir(tmp_path)
+    file = made()
+    (tmp_path / "link.npz").symlink_to(file)
+    status, out, err = run("made.toml", *options)
+    assert (status, out) == (2, "")
+    assert err == f"ospace: error: {options[1]}: is what is read, made.toml; give another file\n"
+    assert file.read_text() == SHORT
+
+
+def test_a_file_is_not_written_twice(run, made, tmp_path):
+    npz = tmp_path / "x.npz"
+    status, out, err = run(made(), "--log", npz, "--html", npz)
+    assert (status, out) == (2, "")
+    assert err == f"ospace: error: {npz}: is to be written twice, as {npz} too; give another file\n"
+    assert not npz.exists()
 
 
 def test_a_process_of_its_own(made):

@@ -106,6 +106,50 @@ def test_mistakes(view, tmp_path, arguments, words):
     assert [file.name for file in tmp_path.iterdir()] == ["folder"]
 
 
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--sweep", "--screenshot", "out.png"], "--screenshot is a still picture: give --html too"),
+        (["--html", "out.html", "--host", "127.0.0.1"], "--host tells where to serve: give it without --html"),
+        (["--screenshot", "out.png", "--port", "7000"], "--port tells where to serve: give it without --html"),
+        (
+            ["--html", "out.html", "--pose", "joint_1=1, joint_1=2"],
+            "--pose 'joint_1=2': joint 'joint_1' is given twice",
+        ),
+        (["--html", "robot.urdf"], "robot.urdf: is what is read, robot.urdf; give another file"),
+        (["--html", "link.html"], "link.html: is what is read, robot.urdf; give another file"),
+        (["--html", "a.png", "--screenshot", "a.png"], "a.png: is to be written twice, as a.png too"),
+    ],
+)
+def test_nothing_is_ignored_or_overwritten(view, tmp_path, monkeypatch, options, words):
+    monkeypatch.setattr("ospace.visual.browser.find", lambda: "chromium")
+    file, link = tmp_path / "robot.urdf", tmp_path / "link.html"
+    file.write_bytes(ospace.models.path("planar_2r").read_bytes())
+    link.symlink_to("robot.urdf")
+    before = file.read_bytes()
+    status, out, err = view("robot.urdf", *options)
+    assert (status, out) == (2, "")
+    assert words in err
+    assert sorted(one.name for one in tmp_path.iterdir()) == ["link.html", "robot.urdf"]
+    assert file.read_bytes() == before
+
+
+def test_a_sweep_tells_how_far_it_is(view, monkeypatch):
+    from ospace.cli import progress
+
+    honest, told = progress.bar, []
+
+    @contextlib.contextmanager
+    def bar(given, what, total):
+        with honest(given, what, total) as advance:
+            yield lambda done: (told.append((done, total)), advance(done))
+
+    monkeypatch.setattr(progress, "bar", bar)
+    assert view("planar_2r", "--sweep", "--html", "out.html")[0] == 0
+    assert {total for _, total in told} == {100}
+    assert [told[0][0], told[-1][0]] == [0, 100]
+
+
 def test_no_picture_without_chromium(view, tmp_path, monkeypatch):
     monkeypatch.setattr("shutil.which", lambda name: None)
     status, out, err = view("planar_2r", "--screenshot", "out.png", "--html", "out.html")

@@ -1,0 +1,61 @@
+"""The report of a run: of one that ended early too."""
+
+import missions
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from ospace import OspaceError, scenario
+from ospace.visual import run_report
+
+
+def ended(folder, steps, text=missions.MISSION):
+    """Return a run that Ctrl-C ended after some steps."""
+    done = 0
+
+    def progress(time):
+        nonlocal done
+        done += 1
+        if done > steps:
+            raise KeyboardInterrupt
+
+    file = folder / "mission.toml"
+    file.write_text(text)
+    run = scenario.run(scenario.load(file), progress)
+    assert run.interrupted
+    return run
+
+
+def test_a_target_with_one_record_goes_on_as_it_moved(tmp_path):
+    """Two steps are a control cycle; the target is recorded once a cycle."""
+    run = ended(tmp_path, 1)
+    assert [(len(one.trajectory), len(one.target_time)) for one in run.segments] == [(2, 1)]
+    chaser, target = run_report.motions_of(run)
+    np.testing.assert_array_equal(target.time, chaser.time)
+    own = run.scenario.target
+    np.testing.assert_array_equal(target.q[0], own.q)
+    assert own.v[3:].any()
+    later = pin.integrate(own.robot.model, own.q, 1e-3 * own.v)
+    np.testing.assert_allclose(target.q[1], later, rtol=0, atol=1e-15)
+    assert run_report.save(run, tmp_path / "out.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+
+
+def test_of_what_has_not_moved_there_is_no_report(tmp_path):
+    run = ended(tmp_path, 0)
+    assert len(run.segments[0].trajectory) == 1
+    with pytest.raises(OspaceError, match="the run ended before its first step: nothing has moved"):
+        run_report.save(run, tmp_path / "out.html")
+    assert not (tmp_path / "out.html").exists()
+    with pytest.raises(OspaceError, match="nothing has moved"):
+        run_report.motions_of(type(run)(**vars(run) | {"segments": ()}))
+
+
+def test_a_report_that_fails_leaves_what_was_there(tmp_path, monkeypatch):
+    def fail(run):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(run_report, "render", fail)
+    (tmp_path / "out.html").write_text("before")
+    with pytest.raises(KeyboardInterrupt):
+        run_report.save(None, tmp_path / "out.html")
+    assert (tmp_path / "out.html").read_text() == "before"
