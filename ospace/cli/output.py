@@ -70,7 +70,7 @@ def writable(*paths: Path | None) -> None:
     """Raise `OSError` where one of `paths` cannot be written; what is there stays as it is, and nothing else comes."""
     for path in filter(None, paths):
         existed = path.exists()
-        if existed and not path.is_file():
+        if existed and not (path.is_file() or path.is_dir()):
             continue  # devices and pipes tell only what is written to them
         path.open("ab").close()
         if not existed:
