@@ -7,6 +7,7 @@ quaternions, whose x'' is that across the sphere.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -20,7 +21,7 @@ ERROR = 4e-7
 _ROUGH = 1e3
 """How much further a quantity may be, which has a scale: it is for the eye alone."""
 _MOST_KEYS = 400_000  # some 15 MB
-_TICKS = 1_000_000  # times of keys are whole µs
+_WHOLE = 2.0**24  # up to which single precision has every whole number
 
 
 def animation(motions: Mapping[str, tuple[Floats, Floats]]) -> tuple[Animation, float]:
@@ -35,7 +36,8 @@ def animation(motions: Mapping[str, tuple[Floats, Floats]]) -> tuple[Animation, 
     Returns
     -------
     animation, error : Animation, float
-        The error kept to: `ERROR`, or more where that many keys would be too many.
+        How far a page is off at any time given, nodes with a scale apart: `ERROR` and the rounding of its numbers, or
+        more where that many keys would be too many.
     """
     tracks = []
     for path, (time, pose) in motions.items():
@@ -50,12 +52,23 @@ def animation(motions: Mapping[str, tuple[Floats, Floats]]) -> tuple[Animation, 
         if sum(map(len, keys)) <= _MOST_KEYS:
             break
         error *= 4.0
-    clips: dict[str, AnimationClip] = {path: AnimationClip(fps=_TICKS) for path in motions}
-    for (path, name, kind, time, X, *_), k in zip(tracks, keys, strict=True):
-        ticks = np.rint(time[k] * _TICKS).astype(np.int64)
-        clips[path].tracks[name] = AnimationTrack(name, kind, ticks.tolist(), X[k].tolist())
+    rate = _rate(max(time[-1] for time, _ in motions.values()))
+    clips: dict[str, AnimationClip] = {path: AnimationClip(fps=rate) for path in motions}
+    off = 0.0
+    for (path, name, kind, time, X, way, rough), k in zip(tracks, keys, strict=True):
+        ticks = np.unique(np.rint(time[k] * rate))
+        values = _at(ticks / rate, time, X, way).astype(np.float32)
+        clips[path].tracks[name] = AnimationTrack(name, kind, ticks.astype(np.int64).tolist(), values.tolist())
+        if rough == 1.0:
+            shown = _at(time, ticks / rate, values.astype(np.float64), way)
+            off = max(off, float(np.linalg.norm(shown - X, axis=1).max()))
     paths = {Path(tuple(path.strip("/").split("/"))): clip for path, clip in clips.items()}
-    return Animation(paths, default_framerate=_TICKS), error
+    return Animation(paths, default_framerate=rate), off
+
+
+def _rate(duration: float) -> int:
+    """Return the ticks of a second: as many as leave every tick a number of single precision, which times become."""
+    return 1 << max(0, math.floor(math.log2(_WHOLE / max(duration, 1.0))))
 
 
 Way = Callable[[Floats, Floats, Floats], Floats]
@@ -80,21 +93,22 @@ def keys_of(time: Floats, X: Floats, way: Way, error: float) -> Ints:
     count = 1.2
     while True:
         pieces = max(1, int(np.ceil(share[-1] * count)))
-        keys = np.unique(np.r_[0, np.searchsorted(share, np.linspace(0.0, share[-1], pieces + 1)), last])
-        keys = np.minimum(keys, last)
-        if len(keys) > last or np.abs(_between(time, X, keys, way) - X).max() <= error:
-            return np.unique(keys)
+        keys = np.unique(np.r_[0, np.searchsorted(share, np.linspace(0.0, share[-1], pieces + 1)).clip(0, last), last])
+        off = np.linalg.norm(_at(time, time[keys], X[keys], way) - X, axis=1).max()
+        if len(keys) > last or off <= error:
+            return keys
         count *= 1.5
         if pieces > 2 * last:
             return np.arange(last + 1)
 
 
-def _between(time: Floats, X: Floats, keys: Ints, way: Way) -> Floats:
-    """Return what an animation of these keys shows at all times."""
-    after = np.clip(np.searchsorted(keys, np.arange(len(time)), side="right"), 1, len(keys) - 1)
-    a, b = keys[after - 1], keys[after]
-    share = ((time - time[a]) / (time[b] - time[a]))[:, None]
-    return way(X[a], X[b], share)
+def _at(wanted: Floats, time: Floats, X: Floats, way: Way) -> Floats:
+    """Return what stands at the times wanted, between neighbours of `X` at `time`."""
+    if len(time) == 1:
+        return np.repeat(X, len(wanted), axis=0)
+    after = np.clip(np.searchsorted(time, wanted, side="right"), 1, len(time) - 1)
+    share = ((wanted - time[after - 1]) / (time[after] - time[after - 1])).clip(0.0, 1.0)[:, None]
+    return way(X[after - 1], X[after], share)
 
 
 def _line(a: Floats, b: Floats, share: Floats) -> Floats:
