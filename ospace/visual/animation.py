@@ -18,6 +18,8 @@ from ospace.kernels.tables import Floats, Ints
 
 ERROR = 4e-7
 """How far a body may be from its motion between two keys: m, and half angles in rad."""
+_TURNED = 0.4
+"""How much of it half an angle may be off: what is a metre away from a body's origin moves by twice that."""
 _ROUGH = 1e3
 """How much further a quantity may be, which has a scale: it is for the eye alone."""
 _MOST_KEYS = 400_000  # some 15 MB
@@ -43,7 +45,7 @@ def animation(motions: Mapping[str, tuple[Floats, Floats]]) -> tuple[Animation, 
     for path, (time, pose) in motions.items():
         rough = _ROUGH if pose.shape[1] > 7 else 1.0
         tracks.append((path, "position", "vector3", time, pose[:, :3], _line, rough))
-        tracks.append((path, "quaternion", "quaternion", time, _continuous(pose[:, 3:7]), _arc, rough))
+        tracks.append((path, "quaternion", "quaternion", time, _continuous(pose[:, 3:7]), _arc, _TURNED * rough))
         if pose.shape[1] > 7:
             tracks.append((path, "scale", "vector3", time, pose[:, 7:], _line, rough))
     error = ERROR
@@ -59,7 +61,7 @@ def animation(motions: Mapping[str, tuple[Floats, Floats]]) -> tuple[Animation, 
         ticks = np.unique(np.rint(time[k] * rate))
         values = _at(ticks / rate, time, X, way).astype(np.float32)
         clips[path].tracks[name] = AnimationTrack(name, kind, ticks.astype(np.int64).tolist(), values.tolist())
-        if rough == 1.0:
+        if rough <= 1.0:
             shown = _at(time, ticks / rate, values.astype(np.float64), way)
             off = max(off, float(np.linalg.norm(shown - X, axis=1).max()))
     paths = {Path(tuple(path.strip("/").split("/"))): clip for path, clip in clips.items()}

@@ -114,7 +114,9 @@ def test_tracks_are_those_of_the_motion():
     moving, resting = made.clips.values()
     assert set(moving.tracks) == {"position", "quaternion", "scale"}
     assert set(resting.tracks) == {"position", "quaternion"}
-    assert all(track.frames[0] == 0 and track.frames[-1] == 10 * made.default_framerate for track in moving.tracks.values())
+    assert all(
+        track.frames[0] == 0 and track.frames[-1] == 10 * made.default_framerate for track in moving.tracks.values()
+    )
     assert all(len(track.frames) == 2 for track in resting.tracks.values())
     np.testing.assert_array_equal(resting.tracks["position"].values[0], pose[0, :3].astype(np.float32))
 
@@ -145,7 +147,10 @@ def test_too_many_keys_cost_precision(monkeypatch):
     assert error > ERROR
     frames = np.array(clip.tracks["position"].frames)
     shown = np.column_stack(
-        [np.interp(TIME * made.default_framerate, frames, column) for column in np.array(clip.tracks["position"].values).T]
+        [
+            np.interp(TIME * made.default_framerate, frames, column)
+            for column in np.array(clip.tracks["position"].values).T
+        ]
     )
     assert np.abs(shown - CURVES["smooth"]).max() <= error
 
