@@ -7,7 +7,6 @@ quaternions, whose x'' is that across the sphere.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -23,7 +22,6 @@ _TURNED = 0.4
 _ROUGH = 1e3
 """How much further a quantity may be, which has a scale: it is for the eye alone."""
 _MOST_KEYS = 400_000  # some 15 MB
-_WHOLE = 2.0**24  # up to which single precision has every whole number
 
 
 def animation(motions: Mapping[str, tuple[Floats, Floats]]) -> tuple[Animation, float]:
@@ -54,23 +52,17 @@ def animation(motions: Mapping[str, tuple[Floats, Floats]]) -> tuple[Animation, 
         if sum(map(len, keys)) <= _MOST_KEYS:
             break
         error *= 4.0
-    rate = _rate(max(time[-1] for time, _ in motions.values()))
-    clips: dict[str, AnimationClip] = {path: AnimationClip(fps=rate) for path in motions}
+    clips: dict[str, AnimationClip] = {path: AnimationClip(fps=1) for path in motions}
     off = 0.0
     for (path, name, kind, time, X, way, rough), k in zip(tracks, keys, strict=True):
-        ticks = np.unique(np.rint(time[k] * rate))
-        values = _at(ticks / rate, time, X, way).astype(np.float32)
-        clips[path].tracks[name] = AnimationTrack(name, kind, ticks.astype(np.int64).tolist(), values.tolist())
+        at = np.unique(time[k].astype(np.float32))  # as pages keep them: a key stands at a time that there is
+        values = _at(at.astype(np.float64), time, X, way).astype(np.float32)
+        clips[path].tracks[name] = AnimationTrack(name, kind, at.tolist(), values.tolist())
         if rough <= 1.0:
-            shown = _at(time, ticks / rate, values.astype(np.float64), way)
+            shown = _at(time, at.astype(np.float64), values.astype(np.float64), way)
             off = max(off, float(np.linalg.norm(shown - X, axis=1).max()))
     paths = {Path(tuple(path.strip("/").split("/"))): clip for path, clip in clips.items()}
-    return Animation(paths, default_framerate=rate), off
-
-
-def _rate(duration: float) -> int:
-    """Return the ticks of a second: as many as leave every tick a number of single precision, which times become."""
-    return 1 << max(0, math.floor(math.log2(_WHOLE / max(duration, 1.0))))
+    return Animation(paths, default_framerate=1), off
 
 
 Way = Callable[[Floats, Floats, Floats], Floats]
