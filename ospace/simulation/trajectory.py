@@ -91,6 +91,8 @@ class Trajectory:
     def at(self, robot: SpaceRobot, time: float) -> tuple[Floats, Floats]:
         """Return (q, v) at `time`, s: on the geodesic between the records on either side, exact on a record.
 
+        The geodesic is that of the moving frame, so that a base in orbit is placed as well as one at rest.
+
         Raises
         ------
         OspaceError
@@ -106,7 +108,10 @@ class Trajectory:
             return self.q[nearest].copy(), self.v[nearest].copy()
         k = int(np.searchsorted(self.time, time)) - 1
         share = (time - self.time[k]) / (self.time[k + 1] - self.time[k])
-        q = np.asarray(pin.interpolate(robot.model, self.q[k], self.q[k + 1], share))
+        before, after = self.q[k].copy(), self.q[k + 1].copy()
+        before[:3] += (time - self.time[k]) * self.frame_velocity  # both as seen from the moving frame, in which
+        after[:3] += (time - self.time[k + 1]) * self.frame_velocity  # a base that turns goes no way of kilometres
+        q = np.asarray(pin.interpolate(robot.model, before, after, share))
         return q, (1.0 - share) * self.v[k] + share * self.v[k + 1]
 
     # -- files -----------------------------------------------------------------------------------------------

@@ -17,10 +17,11 @@ from ospace.kernels.tables import Floats, Ints
 
 ERROR = 4e-7
 """How far a body may be from its motion between two keys: m, and half angles in rad."""
+_TURNED = 0.4
+"""How much of it half an angle may be off: what is a metre away from a body's origin moves by twice that."""
 _ROUGH = 1e3
 """How much further a quantity may be, which has a scale: it is for the eye alone."""
 _MOST_KEYS = 400_000  # some 15 MB
-_TICKS = 1_000_000  # times of keys are whole µs
 
 
 def animation(motions: Mapping[str, tuple[Floats, Floats]]) -> tuple[Animation, float]:
@@ -35,13 +36,14 @@ def animation(motions: Mapping[str, tuple[Floats, Floats]]) -> tuple[Animation, 
     Returns
     -------
     animation, error : Animation, float
-        The error kept to: `ERROR`, or more where that many keys would be too many.
+        How far a page is off at any time given, nodes with a scale apart: `ERROR` and the rounding of its numbers, or
+        more where that many keys would be too many.
     """
     tracks = []
     for path, (time, pose) in motions.items():
         rough = _ROUGH if pose.shape[1] > 7 else 1.0
         tracks.append((path, "position", "vector3", time, pose[:, :3], _line, rough))
-        tracks.append((path, "quaternion", "quaternion", time, _continuous(pose[:, 3:7]), _arc, rough))
+        tracks.append((path, "quaternion", "quaternion", time, _continuous(pose[:, 3:7]), _arc, _TURNED * rough))
         if pose.shape[1] > 7:
             tracks.append((path, "scale", "vector3", time, pose[:, 7:], _line, rough))
     error = ERROR
@@ -50,12 +52,17 @@ def animation(motions: Mapping[str, tuple[Floats, Floats]]) -> tuple[Animation, 
         if sum(map(len, keys)) <= _MOST_KEYS:
             break
         error *= 4.0
-    clips: dict[str, AnimationClip] = {path: AnimationClip(fps=_TICKS) for path in motions}
-    for (path, name, kind, time, X, *_), k in zip(tracks, keys, strict=True):
-        ticks = np.rint(time[k] * _TICKS).astype(np.int64)
-        clips[path].tracks[name] = AnimationTrack(name, kind, ticks.tolist(), X[k].tolist())
+    clips: dict[str, AnimationClip] = {path: AnimationClip(fps=1) for path in motions}
+    off = 0.0
+    for (path, name, kind, time, X, way, rough), k in zip(tracks, keys, strict=True):
+        at = np.unique(time[k].astype(np.float32))  # as pages keep them: a key stands at a time that there is
+        values = _at(at.astype(np.float64), time, X, way).astype(np.float32)
+        clips[path].tracks[name] = AnimationTrack(name, kind, at.tolist(), values.tolist())
+        if rough <= 1.0:
+            shown = _at(time, at.astype(np.float64), values.astype(np.float64), way)
+            off = max(off, float(np.linalg.norm(shown - X, axis=1).max()))
     paths = {Path(tuple(path.strip("/").split("/"))): clip for path, clip in clips.items()}
-    return Animation(paths, default_framerate=_TICKS), error
+    return Animation(paths, default_framerate=1), off
 
 
 Way = Callable[[Floats, Floats, Floats], Floats]
@@ -80,21 +87,22 @@ def keys_of(time: Floats, X: Floats, way: Way, error: float) -> Ints:
     count = 1.2
     while True:
         pieces = max(1, int(np.ceil(share[-1] * count)))
-        keys = np.unique(np.r_[0, np.searchsorted(share, np.linspace(0.0, share[-1], pieces + 1)), last])
-        keys = np.minimum(keys, last)
-        if len(keys) > last or np.abs(_between(time, X, keys, way) - X).max() <= error:
-            return np.unique(keys)
+        keys = np.unique(np.r_[0, np.searchsorted(share, np.linspace(0.0, share[-1], pieces + 1)).clip(0, last), last])
+        off = np.linalg.norm(_at(time, time[keys], X[keys], way) - X, axis=1).max()
+        if len(keys) > last or off <= error:
+            return keys
         count *= 1.5
         if pieces > 2 * last:
             return np.arange(last + 1)
 
 
-def _between(time: Floats, X: Floats, keys: Ints, way: Way) -> Floats:
-    """Return what an animation of these keys shows at all times."""
-    after = np.clip(np.searchsorted(keys, np.arange(len(time)), side="right"), 1, len(keys) - 1)
-    a, b = keys[after - 1], keys[after]
-    share = ((time - time[a]) / (time[b] - time[a]))[:, None]
-    return way(X[a], X[b], share)
+def _at(wanted: Floats, time: Floats, X: Floats, way: Way) -> Floats:
+    """Return what stands at the times wanted, between neighbours of `X` at `time`."""
+    if len(time) == 1:
+        return np.repeat(X, len(wanted), axis=0)
+    after = np.clip(np.searchsorted(time, wanted, side="right"), 1, len(time) - 1)
+    share = ((wanted - time[after - 1]) / (time[after] - time[after - 1])).clip(0.0, 1.0)[:, None]
+    return way(X[after - 1], X[after], share)
 
 
 def _line(a: Floats, b: Floats, share: Floats) -> Floats:

@@ -69,7 +69,7 @@ def screenshot(page: str, path: Path, size: tuple[int, int] = (1000, 700), part:
         There is no Chromium, or it fails.
     """
     chromium = find()
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         source, picture = Path(folder) / "page.html", Path(folder) / "page.png"
         source.write_text(page, encoding="utf-8")
         command = [

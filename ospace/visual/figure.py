@@ -66,9 +66,9 @@ class Figure:
         return np.concatenate([box @ places[node][:3, :3].T + places[node][:3, 3] for node, box in extents])
 
 
-def of_robot(stage: Stage, root: str, robot: SpaceRobot, marked: Mapping[str, Colour]) -> Figure:
-    """Put a robot on the stage below `root`; links in `marked` in the colours given."""
-    model, description, builder = robot.model, robot.description, _Builder(stage, marked)
+def of_robot(stage: Stage, root: str, robot: SpaceRobot) -> Figure:
+    """Put a robot on the stage below `root`."""
+    model, description, builder = robot.model, robot.description, _Builder(stage, {})
     data = robot.scratch.data
     pin.forwardKinematics(model, data, pin.neutral(model))
     for j in range(1, model.njoints):

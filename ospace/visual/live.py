@@ -1,4 +1,7 @@
-"""A scenario to watch while it runs, at its own pace; afterwards its animation, to go back and forth in."""
+"""A scenario to watch while it runs, at its own pace; afterwards its animation, to go back and forth in.
+
+It is seen from the frame that moves along with the base as it is at the start: what is in orbit stays in the picture.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +9,11 @@ import time as clock
 from types import TracebackType
 from typing import Self
 
+import numpy as np
+
 from ospace.scenario import Run, Scenario
 from ospace.scenario.running import Moment
+from ospace.simulation.moving_frame import MovingFrame
 from ospace.visual import run_report
 from ospace.visual.server import LOOPBACK, Server
 
@@ -27,6 +33,7 @@ class Live:
 
     def __init__(self, scenario: Scenario, host: str = LOOPBACK) -> None:
         self._scene = run_report.scene_of(scenario)
+        self._frame = MovingFrame(np.zeros(3), scenario.start.base_twist[:3]).inverse
         self._server = Server(self._scene.content, host)
         self._began: float | None = None
         self._due = 0.0
@@ -55,8 +62,9 @@ class Live:
             self._began = clock.perf_counter() - time
         while (early := time - (clock.perf_counter() - self._began)) > 0.0:
             clock.sleep(min(early, _LONGEST))
-        robot, target = states()
-        self._scene.display(robot.q, robot.v, [] if target is None else [target.q])
+        seen = [self._frame.leave(np.array([time]), one.q[None], one.v[None]) for one in states() if one is not None]
+        (q, v), *others = seen
+        self._scene.display(q[0], v[0], [other[0] for other, _ in others])
 
     def replay(self, run: Run) -> None:
         """Give the page the whole run as an animation, and serve it until Ctrl-C."""

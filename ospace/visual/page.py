@@ -73,15 +73,15 @@ class Content:
     notes: Sequence[str] = field(default_factory=tuple)
 
 
-def render(content: Content, *, live: bool = False, template: str = "page.html", **more: Any) -> str:
-    """Return the page; a live one gets the scene through a socket.
+def render(content: Content, *, live: str = "", template: str = "page.html", **more: Any) -> str:
+    """Return the page; a live one gets the scene through a socket of the host `live`.
 
     Names in it come from files of anywhere: whatever they are made of is shown as text.
     """
     data = {
         "layers": [asdict(layer) for layer in content.layers],
         "labels": [asdict(label) for label in content.labels],
-        "live": live,
+        "live": bool(live),
         "commands": "" if live else _packed(content.stage),
     }
     texts = {"style": own_text("page.css"), "script": own_text("page.js"), "meshcat": _viewer()}

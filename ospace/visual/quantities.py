@@ -11,8 +11,9 @@ momentum             linear and angular, of the whole, of the base, of all that 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from itertools import permutations
 
 import numpy as np
 import pinocchio as pin
@@ -24,6 +25,7 @@ from ospace.dynamics.operational_space import operational_space
 from ospace.exceptions import OspaceError
 from ospace.kernels.tables import Floats
 from ospace.points import OperationalPoint
+from ospace.robot import SpaceRobot
 from ospace.state import State
 from ospace.urdf.description import Colour
 from ospace.visual.look import arrow
@@ -37,8 +39,9 @@ _CENTRE = 0xFFD23F
 _MOMENTA = {"linear": 0x3FA7FF, "angular": 0xFF6BD6}
 _PARTS = ("whole", "base", "arms")
 _THIN = 1e-3  # of the longest semi-axis, which a singular direction is drawn with
-_VANISHED = 1e-4  # m: what a scale of zero, which no page can invert, is drawn with
+_VANISHED = 1e-6  # of the robot's size: what a scale of zero, which no page can invert, is drawn with
 _NOTHING = 1e-9  # of the scale of momentum: rounding, and no arrow
+_SLOW = 0.1  # m/s and rad/s: what the arrows of momentum are measured by, unless a motion tells
 
 Placed = Iterator[tuple[str, Floats]]
 
@@ -47,8 +50,11 @@ class MassCentre:
     """The centre of mass."""
 
     name, title = "mass-centre", "centre of mass"
+    round = False
 
-    def __init__(self, stage: Stage, root: str, points: Sequence[OperationalPoint], reach: float) -> None:
+    def __init__(
+        self, stage: Stage, root: str, points: Sequence[OperationalPoint], reach: float, robot: SpaceRobot
+    ) -> None:
         self.paths = [f"{root}/mass centre"]
         self.legend = ""
         stage.set_object(self.paths[0] + "/ball", Ball(0.018 * reach), g.MeshPhongMaterial(color=_CENTRE))
@@ -62,12 +68,15 @@ class OperationalInertia:
     """Translational Γ_e of each point by itself."""
 
     name, title = "operational-inertia", "operational-space inertia Γₑ"
+    round = True
+    """Whether it is made of balls, whose axes may change places."""
 
-    def __init__(self, stage: Stage, root: str, points: Sequence[OperationalPoint], reach: float) -> None:
+    def __init__(
+        self, stage: Stage, root: str, points: Sequence[OperationalPoint], reach: float, robot: SpaceRobot
+    ) -> None:
         self._points = _linear(points)
         self.paths = [f"{root}/inertia {component(point.frame)} {k}" for k, point in enumerate(points)]
-        mass = points[0].robot.total_mass if points else 1.0
-        self._scale = 0.4 * reach / mass**0.5
+        self._scale, self._least = 0.4 * reach / robot.total_mass**0.5, _VANISHED * reach
         self.legend = f"effective masses: semi-axes are {100.0 * self._scale:.2g} cm √(m/kg)"
         for path in self.paths:
             stage.set_object(f"{path}/ball", Ball(1.0), material(_MASS))
@@ -80,21 +89,24 @@ class OperationalInertia:
                 masses, axes = np.linalg.eigh(operational_space(state, point).inertia)
             except OspaceError:  # the point cannot be accelerated in some direction
                 masses, axes = np.zeros(3), np.eye(3)
-            yield path, _ellipsoid(axes, self._scale * np.sqrt(np.maximum(masses, 0.0)), at)
+            yield path, _ellipsoid(axes, self._scale * np.sqrt(np.maximum(masses, 0.0)), at, self._least)
 
 
 class Manipulability:
     """Generalized manipulability, and that of the same arm on a base that is held."""
 
     name, title = "manipulability", "generalized manipulability"
+    round = True
 
-    def __init__(self, stage: Stage, root: str, points: Sequence[OperationalPoint], reach: float) -> None:
+    def __init__(
+        self, stage: Stage, root: str, points: Sequence[OperationalPoint], reach: float, robot: SpaceRobot
+    ) -> None:
         self._points = _linear(points)
         names = [f"{component(point.frame)} {k}" for k, point in enumerate(points)]
         self._floating = [f"{root}/floating {name}" for name in names]
         self._held = [f"{root}/held {name}" for name in names]
         self.paths = self._floating + self._held
-        self._scale = 0.2
+        self._scale, self._least = 0.2, _VANISHED * reach
         self.legend = "velocity at unit joint rates, 1 m/s as 20 cm; cyan: floating base, grey: base held"
         for paths, colour in ((self._floating, _FLOATING), (self._held, _HELD)):
             for path in paths:
@@ -107,35 +119,71 @@ class Manipulability:
             J_m = operational_space(state, point, method="dense").jacobian[:, 6:]
             for path, J in ((floating, generalized_jacobian(state, point).generalized_jacobian), (held, J_m)):
                 U, sigma, _ = np.linalg.svd(J @ J.T)
-                yield path, _ellipsoid(U, self._scale * np.sqrt(sigma), at)
+                yield path, _ellipsoid(U, self._scale * np.sqrt(sigma), at, self._least)
 
 
 class Momentum:
     """Linear and angular momentum."""
 
     name, title = "momentum", "momentum"
+    round = False
 
-    def __init__(self, stage: Stage, root: str, points: Sequence[OperationalPoint], reach: float) -> None:
+    def __init__(
+        self, stage: Stage, root: str, points: Sequence[OperationalPoint], reach: float, robot: SpaceRobot
+    ) -> None:
         self._arrows = {(part, kind): f"{root}/{kind} {part}" for part in _PARTS for kind in _MOMENTA}
         self.paths = list(self._arrows.values())
-        self.legend = "blue: linear, magenta: angular; of the whole, of the base, of what hangs from it"
-        self._length = 0.45 * reach
-        self._largest = dict.fromkeys(_MOMENTA, 0.0)
+        self._length, self._least = 0.45 * reach, _VANISHED * reach
+        mass = robot.total_mass
+        self._largest = {"linear": _SLOW * mass, "angular": _SLOW * mass * (0.5 * reach) ** 2}
         for (_, kind), path in self._arrows.items():
             arrow(stage, path, _MOMENTA[kind])
 
+    @property
+    def legend(self) -> str:
+        """What the arrows' lengths say."""
+        linear, angular = (f"{largest / self._length:.2g}" for largest in self._largest.values())
+        return (
+            f"blue: linear, {linear} kg m/s as 1 m; magenta: angular, {angular} kg m²/s as 1 m; "
+            f"of the whole, of the base, of what hangs from it"
+        )
+
+    def measure(self, states: Iterable[State]) -> None:
+        """Take the scale of the arrows from the largest momenta of a motion."""
+        sizes = np.array(
+            [[np.linalg.norm(h.reshape(2, 3), axis=1) for h, _ in _momenta(one).values()] for one in states]
+        )
+        for kind, largest in zip(_MOMENTA, sizes.reshape(-1, 2).max(axis=0), strict=True):
+            self._largest[kind] = float(largest) or self._largest[kind]
+
     def place(self, state: State) -> Placed:
-        """As `MassCentre.place`; the longest arrow of each kind so far is the measure of the others."""
-        momenta = _momenta(state)
+        """As `MassCentre.place`."""
         scale = float(np.linalg.norm(state.v)) * state.robot.total_mass
-        for kind, side in (("linear", slice(0, 3)), ("angular", slice(3, 6))):
-            sizes = {part: float(np.linalg.norm(h[side])) for part, (h, _) in momenta.items()}
-            self._largest[kind] = largest = max(self._largest[kind], *sizes.values())
-            for part, (h, at) in momenta.items():
-                shown = sizes[part] > _NOTHING * scale
-                length = self._length * sizes[part] / largest if shown else _VANISHED
-                R = _z_along(h[side]) if shown else np.eye(3)
-                yield self._arrows[part, kind], homogeneous(max(length, _VANISHED) * R, at)
+        for part, (h, at) in _momenta(state).items():
+            for kind, vector in (("linear", h[:3]), ("angular", h[3:])):
+                size = float(np.linalg.norm(vector))
+                shown = size > _NOTHING * scale
+                length = max(self._least, self._length * size / self._largest[kind]) if shown else self._least
+                yield self._arrows[part, kind], homogeneous(length * (_z_along(vector) if shown else np.eye(3)), at)
+
+
+def steadied(places: Sequence[Floats]) -> list[Floats]:
+    """Return placements of a ball (4, 4), axes numbered and signed as is nearest to those before.
+
+    Eigenvectors come in any order and with any sign: between two that differ an ellipsoid would turn about itself.
+    """
+    found = [places[0]]
+    for T in places[1:]:
+        before, axes = (one[:3, :3] / np.linalg.norm(one[:3, :3], axis=0) for one in (found[-1], T))
+        alike = before.T @ axes
+        order = max(permutations(range(3)), key=lambda order: np.abs(alike[range(3), order]).sum())
+        signs = np.where(alike[range(3), order] < 0.0, -1.0, 1.0)
+        turned = T.copy()
+        turned[:3, :3] = T[:3, order] * signs
+        if np.linalg.det(axes[:, order] * signs) < 0.0:
+            turned[:3, np.argmin(np.abs(alike[range(3), order]))] *= -1.0
+        found.append(turned)
+    return found
 
 
 QUANTITIES = (MassCentre, OperationalInertia, Manipulability, Momentum)
@@ -145,10 +193,10 @@ def _linear(points: Sequence[OperationalPoint]) -> list[OperationalPoint]:
     return [replace(point, axes=(True, True, True, False, False, False)) for point in points]
 
 
-def _ellipsoid(axes: Floats, lengths: Floats, at: Floats) -> Floats:
-    """Place a unit ball as an ellipsoid with semi-axes along the columns of `axes`."""
+def _ellipsoid(axes: Floats, lengths: Floats, at: Floats, least: float) -> Floats:
+    """Place a unit ball as an ellipsoid with semi-axes along the columns of `axes`, none shorter than `least`, m."""
     turn = axes * np.sign(np.linalg.det(axes))
-    return homogeneous(turn * np.maximum(lengths, max(_VANISHED, _THIN * lengths.max())), at)
+    return homogeneous(turn * np.maximum(lengths, max(least, _THIN * lengths.max())), at)
 
 
 def _z_along(direction: Floats) -> Floats:

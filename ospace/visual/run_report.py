@@ -13,6 +13,7 @@ import pinocchio as pin
 from ospace.exceptions import OspaceError
 from ospace.files import replacing
 from ospace.kernels.tables import Floats
+from ospace.points import OperationalPoint
 from ospace.robot import SpaceRobot
 from ospace.scenario import Run, Scenario, log, series, words
 from ospace.visual import page, plots
@@ -78,8 +79,13 @@ def scene_of(scenario: Scenario) -> Scene:
     """Return the scene of a scenario at its start: the robot with the points of its tasks, and the target."""
     robot, target = scenario.robot, scenario.target
     tasks = [task for phase in scenario.phases for task in phase.tasks]
-    offsets = {task.point: task.offset for task in tasks if task.point in robot.frame_names}
-    scene = Scene(robot, [robot.point(str(name), offset=offset) for name, offset in offsets.items()] or None)
+    points: list[OperationalPoint] = []
+    for task in tasks:
+        if task.point in robot.frame_names:
+            point = robot.point(str(task.point), offset=task.offset)
+            if not any(point.frame == one.frame and point.placement == one.placement for one in points):
+                points.append(point)
+    scene = Scene(robot, points or None)
     if target is not None:
         scene.add(target.robot)
     scene.display(scenario.start.q, scenario.start.v, [] if target is None else [target.q])

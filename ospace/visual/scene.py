@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
+from meshcat.animation import Animation
 
 from ospace.exceptions import OspaceError, closest
 from ospace.kernels.tables import Floats
@@ -17,14 +19,13 @@ from ospace.points import OperationalPoint, point_set
 from ospace.robot import SpaceRobot
 from ospace.simulation.moving_frame import MovingFrame
 from ospace.state import State, checked_state
-from ospace.urdf.description import Colour
 from ospace.urdf.findings import Finding
 from ospace.visual import between, look, page
 from ospace.visual.animation import ERROR, animation
 from ospace.visual.figure import of_robot
 from ospace.visual.look import Background
 from ospace.visual.page import Label, Layer
-from ospace.visual.quantities import QUANTITIES
+from ospace.visual.quantities import QUANTITIES, Momentum, steadied
 from ospace.visual.stage import Stage, component
 
 LAYERS = {
@@ -60,10 +61,10 @@ class Motion(Protocol):
 class _Player:
     """A robot in the scene, and what moves with it."""
 
-    def __init__(self, stage: Stage, number: int, robot: SpaceRobot, marked: Mapping[str, Colour]) -> None:
+    def __init__(self, stage: Stage, number: int, robot: SpaceRobot) -> None:
         self.robot = robot
         self.root = f"/robots/{number} {component(robot.name)}"
-        self.figure = of_robot(stage, self.root, robot, marked)
+        self.figure = of_robot(stage, self.root, robot)
 
     def nodes(self, q: Floats) -> Floats:
         """Return position and quaternion of each node (J, 7)."""
@@ -87,8 +88,6 @@ class Scene:
     show : iterable of str
         Names of the layers shown at first, of `LAYERS`; the others can be switched on in the page.
     background : "space" or "paper"
-    marked : mapping of link name to (red, green, blue, opacity), optional
-        Links in other colours than their own, parts from 0 to 1.
 
     Attributes
     ----------
@@ -121,7 +120,6 @@ class Scene:
         *,
         show: Iterable[str] = SHOWN,
         background: Background = "space",
-        marked: Mapping[str, Colour] | None = None,
     ) -> None:
         shown = tuple(show)
         for name in shown:
@@ -137,16 +135,18 @@ class Scene:
         self.duration, self.error = 0.0, 0.0
         self._background: Background = background
         self._displayed = False
-        self._players = [_Player(self.stage, 0, robot, marked or {})]
+        self._players = [_Player(self.stage, 0, robot)]
         self.findings: list[Finding] = list(self._players[0].figure.findings)
         rest = pin.neutral(robot.model)
         reach = 0.5 * float(np.linalg.norm(np.ptp(self._players[0].corners(rest), axis=0)))
         self._labels = [self._triad(point, k, 0.09 * reach) for k, point in enumerate(points)]
-        self._quantities = [one(self.stage, "/quantities", points, reach) for one in QUANTITIES]
-        legends = _LEGENDS | {one.name: one.legend for one in self._quantities}
+        self._quantities = [one(self.stage, "/quantities", points, reach, robot) for one in QUANTITIES]
+        drawn = self._players[0].figure.layers
+        if "robot" in shown and not drawn["robot"]:
+            shown = (*shown, "collision")  # all that there is to be seen
         paths = {one.name: one.paths for one in self._quantities} | {"points": [label.path for label in self._labels]}
         self._layers = {
-            name: Layer(name, title, legends.get(name, ""), list(paths.get(name, [])), name in shown)
+            name: Layer(name, title, _LEGENDS.get(name, ""), list(paths.get(name, [])), name in shown)
             for name, title in LAYERS.items()
         }
         self._labels.append(Label("centre of mass", self._quantities[0].paths[0], "mass-centre"))
@@ -156,7 +156,7 @@ class Scene:
 
     def add(self, robot: SpaceRobot) -> None:
         """Put another robot into the scene, such as a target: it is drawn without points and quantities."""
-        player = _Player(self.stage, len(self._players), robot, {})
+        player = _Player(self.stage, len(self._players), robot)
         self._players.append(player)
         self.findings += player.figure.findings
         self._enlist(player)
@@ -202,6 +202,10 @@ class Scene:
         seen = [q]
         for player, own in zip(self._players[1:], others, strict=False):
             seen.append(checked_state(player.robot, own, np.zeros(player.robot.nv))[0])
+        if self.duration:
+            self.stage.set_animation(Animation())
+            self.duration = self.error = 0.0
+            self._displayed = False
         if not self._displayed:
             self.frame = MovingFrame(q[:3].copy(), np.zeros(3))
         for player, own in zip(self._players, seen, strict=False):
@@ -233,18 +237,12 @@ class Scene:
         """
         if len(motions) != len(self._players):
             raise OspaceError(f"give one motion for each of the {len(self._players)} robots in the scene")
-        for player, motion in zip(self._players, motions, strict=True):
-            robot = player.robot
-            if motion.q.ndim != 2 or motion.q.shape[1] != robot.nq or motion.v.shape[1] != robot.nv:
-                raise OspaceError(f"the motion is not of {robot!r}")
-            if len(motion.time) < 2:
-                raise OspaceError(f"the motion of '{robot.name}' has {len(motion.time)} record: it takes two to move")
-        first = motions[0]
-        start = float(first.time[0])
+        checked = [_checked(player.robot, motion) for player, motion in zip(self._players, motions, strict=True)]
+        start, first = checked[0].time[0], checked[0]
         self.frame = MovingFrame.of(self.robot.state(first.q[0], first.v[0]))
         moved: dict[str, tuple[Floats, Floats]] = {}
         seen, between_records = [], 0.0
-        for player, motion in zip(self._players, motions, strict=True):
+        for player, motion in zip(self._players, checked, strict=True):
             time = motion.time - start
             Q, V = self.frame.inverse.leave(time, motion.q, motion.v)
             times, poses, off = between.placed(player.robot.model, time, Q, V, player.nodes, ERROR)
@@ -263,21 +261,26 @@ class Scene:
     def _quantities_along(self, time: Floats, Q: Floats, V: Floats) -> dict[str, tuple[Floats, Floats]]:
         wanted = np.linspace(0.0, time[-1], max(2, round(time[-1] * _QUANTITY_RATE)))
         records = np.unique(np.searchsorted(time, wanted).clip(0, len(time) - 1))
-        placed: dict[str, list[Floats]] = {}
-        for k in records:
-            for path, T in self._placed(self.robot.state(Q[k], V[k])):
-                placed.setdefault(path, []).append(_pose_and_scale(T))
-        return {path: (time[records], np.array(poses)) for path, poses in placed.items()}
+        states = [self.robot.state(Q[k], V[k]) for k in records]
+        moved = {}
+        for quantity in self._quantities:
+            if isinstance(quantity, Momentum):
+                quantity.measure(states)
+            placed: dict[str, list[Floats]] = {path: [] for path in quantity.paths}
+            for state in states:
+                for path, T in quantity.place(state):
+                    T[:3, 3] += state.q[:3]
+                    placed[path].append(T)
+            for path, places in placed.items():
+                poses = [_pose_and_scale(T) for T in (steadied(places) if quantity.round else places)]
+                moved[path] = time[records], np.array(poses)
+        return moved
 
     def _place(self, state: State) -> None:
-        for path, T in self._placed(state):
-            self.stage.set_transform(path, T)
-
-    def _placed(self, state: State) -> Iterator[tuple[str, Floats]]:
         for quantity in self._quantities:
             for path, T in quantity.place(state):
                 T[:3, 3] += state.q[:3]
-                yield path, T
+                self.stage.set_transform(path, T)
 
     def _surround(self, *motions: Sequence[Floats] | Floats) -> None:
         corners = [
@@ -296,12 +299,14 @@ class Scene:
         """Return what a page is made of."""
         robot = self.robot
         heading = f"{robot.nv} degrees of freedom, {robot.total_mass:.6g} kg"
+        legends = {one.name: one.legend for one in self._quantities}
+        layers = [replace(one, legend=legends.get(one.name, one.legend)) for one in self._layers.values() if one.paths]
         return page.Content(
             self.stage,
             robot.name,
             heading,
             self._background,
-            [layer for layer in self._layers.values() if layer.paths],
+            layers,
             self._labels,
             [str(finding) for finding in self.findings],
         )
@@ -320,6 +325,38 @@ def _default_points(robot: SpaceRobot) -> list[OperationalPoint]:
     """Take the leaf links that joints move, or all where there is none."""
     points = [robot.point(name) for name in robot.leaf_links]
     return ([point for point in points if point.joint > 1] or points)[:_MOST_POINTS]
+
+
+class _Checked(NamedTuple):
+    time: Floats
+    q: Floats
+    v: Floats
+
+
+def _checked(robot: SpaceRobot, motion: Motion) -> _Checked:
+    """Return a motion as arrays; raise `OspaceError` where it is none of the robot."""
+    try:
+        time, q, v = (np.asarray(one, dtype=np.float64) for one in (motion.time, motion.q, motion.v))
+    except (AttributeError, TypeError, ValueError) as error:
+        raise OspaceError(f"the motion of '{robot.name}': give an object with arrays time, q and v ({error})") from None
+    n = time.size
+    if time.shape != (n,) or q.shape != (n, robot.nq) or v.shape != (n, robot.nv):
+        raise OspaceError(
+            f"the motion is not of {robot!r}: time, q and v have the shapes {time.shape}, {q.shape}, {v.shape}, "
+            f"not (N,), (N, {robot.nq}), (N, {robot.nv})"
+        )
+    if n < 2:
+        raise OspaceError(f"the motion of '{robot.name}' has {n} record: it takes two to move")
+    for name, one in (("time", time), ("q", q), ("v", v)):
+        if not np.isfinite(one).all():
+            k = int(np.flatnonzero(~np.isfinite(one).reshape(n, -1).all(axis=1))[0])
+            raise OspaceError(f"the motion of '{robot.name}': {name} is not finite in record {k}")
+    if not (np.diff(time) > 0.0).all():
+        k = int(np.flatnonzero(np.diff(time) <= 0.0)[0]) + 1
+        raise OspaceError(f"the motion of '{robot.name}': time does not increase at record {k}, {time[k]} s")
+    for k in (int(np.argmax(np.abs(np.linalg.norm(q[:, 3:7], axis=1) - 1.0))), 0, n - 1):
+        robot.state(q[k], v[k])
+    return _Checked(time, q, v)
 
 
 def _pose_and_scale(T: Floats) -> Floats:

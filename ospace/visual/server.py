@@ -12,7 +12,7 @@ from types import TracebackType
 from typing import Self
 
 from tornado.httpserver import HTTPServer
-from tornado.web import Application, RequestHandler
+from tornado.web import Application, HTTPError, RequestHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from ospace.exceptions import OspaceError
@@ -20,6 +20,7 @@ from ospace.visual import page
 from ospace.visual.page import Content
 
 LOOPBACK = "127.0.0.1"
+_LOOPBACKS = (LOOPBACK, "localhost", "::1", "[::1]")
 PORT = 7000
 _TRIES = 50  # ports from the first on, unless one is asked for
 
@@ -44,6 +45,7 @@ class Server:
 
     def __init__(self, content: Callable[[], Content], host: str = LOOPBACK, port: int | None = None) -> None:
         self._content, self._stage = content, content().stage
+        self._names = {*_LOOPBACKS, host} if host in _LOOPBACKS else set()  # elsewhere, who serves knows the names
         self._socket = _listen(host, port)
         self.port = int(self._socket.getsockname()[1])
         self.address = f"http://{f'[{host}]' if ':' in host else host}:{self.port}/"
@@ -73,7 +75,9 @@ class Server:
     def _serve(self) -> None:
         asyncio.set_event_loop(self._loop)
         shared = {"content": self._content, "viewers": self._viewers}
-        application = Application([("/", _Page, shared), ("/socket", _Socket, shared)], log_function=_no_log)
+        application = Application(
+            [("/", _Page, shared), ("/socket", _Socket, shared)], log_function=_no_log, names=self._names
+        )
         server = HTTPServer(application)
         self._loop.call_soon(server.add_socket, self._socket)
         self._loop.call_soon(self._ready.set)
@@ -94,16 +98,25 @@ class Server:
             viewer.tell(command)
 
 
-class _Page(RequestHandler):
+class _Known(RequestHandler):
+    """Answers to the names that it is served under alone: another's page would reach it by a name of its own."""
+
+    def prepare(self) -> None:
+        names = self.settings["names"]
+        if names and self.request.host_name not in names:
+            raise HTTPError(403, f"not served as {self.request.host_name}")
+
+
+class _Page(_Known):
     def initialize(self, content: Callable[[], Content], viewers: set[_Socket]) -> None:
         self._make = content
 
     def get(self) -> None:
         self.set_header("Cache-Control", "no-store")
-        self.finish(page.render(self._make(), live=True))
+        self.finish(page.render(self._make(), live=self.request.host))
 
 
-class _Socket(WebSocketHandler):
+class _Socket(_Known, WebSocketHandler):
     def initialize(self, content: Callable[[], Content], viewers: set[_Socket]) -> None:
         self._make, self._viewers = content, viewers
 
@@ -132,6 +145,9 @@ def _listen(host: str, port: int | None) -> socket.socket:
         try:
             family = socket.getaddrinfo(host, one, type=socket.SOCK_STREAM)[0][0]
             listening = socket.create_server((host, one), family=family)
+        except UnicodeError:
+            reason = "no such host"
+            break
         except OSError as error:
             unknown = isinstance(error, socket.gaierror)
             reason = str(error.strerror) if unknown else os.strerror(error.errno or 0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -40,7 +41,7 @@ class Solid:
     """Half of the sides (3,) of a box about the origin of `T` that holds it, m."""
 
 
-def solids(shape: Shape, mesh: Path | None) -> Iterator[Solid]:
+def solids(shape: Shape, mesh: Path | None = None) -> Iterator[Solid]:
     """Yield what a shape is made of; `mesh` is the file of a <mesh>.
 
     Raises
@@ -50,8 +51,8 @@ def solids(shape: Shape, mesh: Path | None) -> Iterator[Solid]:
     """
     R, p = placement(shape.pose)
     T = homogeneous(R, p)
-    if shape.kind == "mesh":
-        for vertices, faces, colour in _parts(mesh):
+    if mesh is not None:
+        for vertices, faces, colour in _parts(mesh, mesh.stat().st_mtime_ns):
             scaled = vertices * np.array(shape.size)
             turned = faces[:, ::-1] if np.prod(shape.size) < 0.0 else faces  # a mirror turns them inside out
             lower, upper = scaled.min(axis=0), scaled.max(axis=0)
@@ -86,14 +87,13 @@ def box_corners(T: Floats, half: Floats) -> Floats:
     return np.asarray(signs * half @ T[:3, :3].T + T[:3, 3])
 
 
-def material(colour: Colour, *, wireframe: bool = False) -> g.MeshPhongMaterial:
+def material(colour: Colour) -> g.MeshPhongMaterial:
     """Return a slightly glossy material, opacity as that of the colour."""
     rgb = [round(255.0 * min(max(part, 0.0), 1.0)) for part in colour[:3]]
     opacity = min(max(colour[3], 0.0), 1.0)
     return g.MeshPhongMaterial(
         color=rgb[0] << 16 | rgb[1] << 8 | rgb[2],
         opacity=opacity,
-        wireframe=wireframe,
         depthWrite=opacity == 1.0,  # what is behind a translucent solid stays to be seen
         specular=0x333333,
         shininess=40,
@@ -101,10 +101,13 @@ def material(colour: Colour, *, wireframe: bool = False) -> g.MeshPhongMaterial:
 
 
 @lru_cache(maxsize=256)
-def _parts(path: Path) -> list[tuple[Floats, Any, Colour]]:
-    """Return vertices (N, 3), faces (M, 3) and colour of each part of a mesh, as the file has them; m."""
+def _parts(path: Path, changed: int) -> list[tuple[Floats, Any, Colour]]:
+    """Return vertices (N, 3), faces (M, 3) and colour of each part of a mesh that was changed then; m, its own axes."""
     import trimesh
 
+    collada = path.suffix.lower() == ".dae"
+    if collada and importlib.util.find_spec("collada") is None:
+        raise ValueError(f"'{path.name}' needs pycollada to be read: pip install 'ospace[visual]'")
     try:
         scene = trimesh.load_scene(path)
         if scene.units not in (None, "meters", "meter"):
@@ -121,8 +124,17 @@ def _parts(path: Path) -> list[tuple[Floats, Any, Colour]]:
     except Exception as error:  # a parser of files from anywhere raises what it meets
         raise ValueError(f"'{path.name}' cannot be read: {type(error).__name__}: {error}") from None
     if not found:
-        raise ValueError(f"'{path.name}' has no triangles that can be read")
+        raise ValueError(f"'{path.name}' has no triangles that can be read{_broken(path) if collada else ''}")
     return found
+
+
+def _broken(path: Path) -> str:
+    """Return what is wrong with a COLLADA file whose scene came out empty."""
+    from collada import Collada
+    from collada.common import DaeError
+
+    errors = Collada(str(path), ignore=[DaeError]).errors
+    return f": {', '.join(str(getattr(error, 'msg', error)) for error in errors)}" if errors else ""
 
 
 def _colour(visual: Any) -> Colour:

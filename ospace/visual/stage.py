@@ -8,7 +8,7 @@ from typing import Any
 
 import umsgpack
 from meshcat.animation import Animation
-from meshcat.commands import Delete, SetAnimation, SetObject, SetProperty, SetTransform
+from meshcat.commands import SetAnimation, SetObject, SetProperty, SetTransform
 from meshcat.path import Path
 
 from ospace.kernels.tables import Floats
@@ -45,13 +45,6 @@ class Stage:
     def set_animation(self, animation: Animation) -> None:
         """Give the animation, which replaces the one before."""
         self._send(SetAnimation(animation), "")
-
-    def delete(self, path: str) -> None:
-        """Take away what is at `path` and below."""
-        with self._lock:
-            for known in [known for known in self._commands if f"{known[1]}/".startswith(f"{path}/")]:
-                del self._commands[known]
-            self._tell(umsgpack.packb(Delete(_path(path)).lower()))
 
     def commands(self) -> Iterator[bytes]:
         """Yield what makes the scene, as meshcat's viewer takes it: the animation last."""

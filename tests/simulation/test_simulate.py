@@ -307,6 +307,20 @@ def test_state_between_records(robot, start):
         result.at(trees.tree(1, 2), 0.0)
 
 
+def test_state_between_records_of_a_base_in_orbit(robot, start):
+    """The same but for the orbit: a base that turns as it flies by does not go along a screw of kilometres."""
+    q, v = start
+    place, fast = np.array([7e6, -3e6, 1e6]), np.array([0.0, 7.5e3, 0.0])
+    far, moving = q.copy(), v.copy()
+    far[:3] += place
+    moving[:3] += pin.Quaternion(q[3:7]).matrix().T @ fast
+    here, there = (run(robot, state, log_every=10) for state in ((q, v), (far, moving)))
+    for time in (0.003, 0.0171, 0.048):
+        seen = there.at(robot, time)[0]
+        seen[:3] -= place + time * fast
+        assert np.abs(pin.difference(robot.model, seen, here.at(robot, time)[0])).max() < 1e-8
+
+
 # -- what is refused ---------------------------------------------------------------------------------------------
 
 

@@ -4,8 +4,10 @@ import base64
 import gzip
 import html
 import json
+import os
 import re
 import struct
+from types import SimpleNamespace
 from xml.sax import saxutils
 
 import numpy as np
@@ -17,6 +19,7 @@ import umsgpack
 from ospace import SpaceRobot, models
 from ospace.exceptions import OspaceError
 from ospace.visual import Scene
+from ospace.visual.quantities import steadied
 from ospace.visual.scene import LAYERS, SHOWN
 
 BODY = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
@@ -137,17 +140,6 @@ def test_at_most_eight_points_by_default():
     assert sum(label.layer == "points" for label in Scene(robot, []).content().labels) == 0
 
 
-def test_marked_links(robot):
-    scene = Scene(robot, marked={"link_1": (1.0, 0.0, 0.0, 1.0)})
-    colours = {
-        one["path"]: one["object"]["materials"][0]["color"]
-        for one in commands(scene)
-        if one["type"] == "set_object" and "/robot/link" in one["path"]
-    }
-    assert {colour for path, colour in colours.items() if "link link_1/" in path} == {0xFF0000}
-    assert 0xFF0000 not in {colour for path, colour in colours.items() if "link link_1/" not in path}
-
-
 def test_the_same_scene_is_the_same_but_for_names_of_objects(robot):
     one, other = ([(c["type"], c["path"]) for c in commands(Scene(robot)) if "path" in c] for _ in range(2))
     assert one == other
@@ -264,3 +256,108 @@ def test_as_an_attribute_of_the_package():
 
     with pytest.raises(AttributeError, match="no attribute 'Scenery'"):
         _ = ospace.visual.Scenery
+
+
+def motion_of(robot, **changed):
+    time = np.array([0.0, 0.5, 1.0])
+    q = np.tile(robot.configuration(), (3, 1))
+    return SimpleNamespace(**({"time": time, "q": q, "v": np.zeros((3, robot.nv))} | changed))
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        ("time", [0.0, 1.0], "the motion is not of"),
+        ("time", [0.0, 0.5, 0.5], "time does not increase at record 2, 0.5 s"),
+        ("time", [1.0, 0.5, 0.0], "time does not increase at record 1"),
+        ("time", [0.0, 0.5, np.inf], "time is not finite in record 2"),
+        ("time", "now", "give an object with arrays"),
+        ("q", np.full((3, 9), np.nan), "q is not finite in record 0"),
+        ("q", np.zeros((3, 9)), "is not of unit length"),
+        ("q", np.zeros((3, 8)), "the motion is not of"),
+        ("v", np.full((3, 8), np.inf), "v is not finite in record 0"),
+        ("v", np.zeros(3), "the motion is not of"),
+    ],
+)
+def test_what_is_no_motion(robot, name, value, words):
+    scene = Scene(robot)
+    before = list(scene.stage.commands())
+    with pytest.raises(OspaceError, match=words):
+        scene.animate(motion_of(robot, **{name: value}))
+    assert list(scene.stage.commands()) == before  # nothing is half done
+
+
+def test_no_motion_at_all(robot):
+    with pytest.raises(OspaceError, match="give an object with arrays time, q and v"):
+        Scene(robot).animate(np.zeros((3, 9)))
+    with pytest.raises(OspaceError, match="has 1 record: it takes two to move"):
+        Scene(robot).animate(SimpleNamespace(time=[0.0], q=[robot.configuration()], v=np.zeros((1, robot.nv))))
+    with pytest.raises(OspaceError, match="one motion for each of the 1 robots"):
+        Scene(robot).animate()
+
+
+def test_what_is_displayed_takes_the_place_of_an_animation(robot):
+    scene = Scene(robot)
+    scene.animate(motion_of(robot))
+    assert scene.duration == 1.0
+    scene.display(robot.configuration({"joint_1": 0.3}))
+    assert (scene.duration, scene.error) == (0.0, 0.0)
+    assert [one["animations"] for one in commands(scene) if one["type"] == "set_animation"] == [[]]
+
+
+def test_collision_shapes_are_shown_where_there_are_no_others(tmp_path):
+    file = tmp_path / "robot.urdf"
+    file.write_text(f'<robot name="r"><link name="base">{BODY}{BOX.replace("visual", "collision")}</link></robot>')
+    shown = {layer.name for layer in Scene(SpaceRobot.from_urdf(file)).content().layers if layer.shown}
+    assert "collision" in shown
+
+
+def test_a_mesh_that_changes_is_read_again(tmp_path):
+    file, mesh = tmp_path / "robot.urdf", tmp_path / "shape.obj"
+    visual = '<visual><geometry><mesh filename="shape.obj"/></geometry></visual>'
+    file.write_text(f'<robot name="r"><link name="base">{BODY}{visual}</link></robot>')
+    robot = SpaceRobot.from_urdf(file)
+    for width in (1.0, 3.0):
+        mesh.write_text(f"v 0 0 0\nv {width} 0 0\nv 0 1 0\nf 1 2 3\n")
+        os.utime(mesh, ns=(0, int(width)))
+        scene = Scene(robot)
+        assert np.ptp(scene._players[0].corners(robot.configuration())[:, 0]) == pytest.approx(width)
+
+
+def test_arrows_of_momentum_have_one_scale_for_a_motion(robot):
+    """The largest is as long as all, whenever it comes, and the legend says how long."""
+    scene = Scene(robot)
+    time = np.linspace(0.0, 1.0, 21)
+    v = np.zeros((21, robot.nv))
+    v[:, 6] = time
+    scene.animate(SimpleNamespace(time=time, q=np.tile(robot.configuration(), (21, 1)), v=v))
+    momentum = next(one for one in scene._quantities if one.name == "momentum")
+    lengths = []
+    for rate in (0.25, 0.5, 1.0):
+        state = robot.state(robot.configuration(), [0.0] * 6 + [rate, 0.0])
+        places = dict(momentum.place(state))
+        lengths.append(np.linalg.norm(places["/quantities/angular whole"][:3, 2]))
+        assert lengths[-1] * float(re.search(r"angular, (\S+) kg", momentum.legend)[1]) == pytest.approx(
+            np.linalg.norm(about_mass_centre(state)), rel=0.05
+        )
+    np.testing.assert_allclose(lengths, np.array([0.25, 0.5, 1.0]) * momentum._length, rtol=1e-9)
+
+
+def about_mass_centre(state):
+    data = state.robot.model.createData()
+    return pin.computeCentroidalMomentum(state.robot.model, data, state.q, state.v).angular
+
+
+def test_ellipsoids_turn_no_further_than_they_must():
+    """Whatever order and signs the axes of an ellipsoid come with."""
+    rng = np.random.default_rng(4)
+    places = []
+    for t in np.linspace(0.0, 2.0, 200):
+        axes = pin.exp3(np.array([0.3, 0.5, -0.2]) * t) * [3.0, 2.0, 1.0]
+        axes = axes[:, rng.permutation(3)] * rng.choice([-1.0, 1.0], 3)
+        places.append(np.block([[axes * np.sign(np.linalg.det(axes)), np.zeros((3, 1))], [np.zeros(3), 1.0]]))
+    found = steadied(places)
+    for before, after, given in zip(found, found[1:], places[1:], strict=False):
+        turns = [one[:3, :3] / np.linalg.norm(one[:3, :3], axis=0) for one in (before, after)]
+        assert np.linalg.norm(pin.log3(turns[0].T @ turns[1])) < 0.01
+        np.testing.assert_allclose(after @ after.T, given @ given.T, atol=1e-12)  # the same ellipsoid

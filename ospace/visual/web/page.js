@@ -86,7 +86,8 @@
   viewer.set_animation = (animations, options) => {
     animate.call(viewer, animations, options);
     viewer.animator.pause(); // this page moves the clock: the plots go by it too
-    player.hidden = false;
+    player.hidden = animations.length === 0; // none: what is displayed from now on stands still
+    setPlaying(false);
     slider.max = String(duration());
     seek(0);
   };
