@@ -9,6 +9,7 @@ import tempfile
 from pathlib import Path
 
 from ospace.exceptions import OspaceError
+from ospace.files import replacing
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 FLAGS = (
@@ -89,4 +90,5 @@ def screenshot(page: str, path: Path, size: tuple[int, int] = (1000, 700), part:
         if not picture.is_file():
             said = ended.stderr.decode(errors="replace").strip().splitlines()
             raise OspaceError(f"{chromium} drew no picture: {said[-1] if said else f'exit status {ended.returncode}'}")
-        shutil.copyfile(picture, path)
+        with replacing(path) as drawn:
+            shutil.copyfile(picture, drawn)

@@ -14,6 +14,7 @@ import pinocchio as pin
 from meshcat.animation import Animation
 
 from ospace.exceptions import OspaceError, closest
+from ospace.files import replacing
 from ospace.kernels.tables import Floats
 from ospace.points import OperationalPoint, point_set
 from ospace.robot import SpaceRobot
@@ -314,7 +315,8 @@ class Scene:
     def save_html(self, path: str | PathLike[str]) -> Path:
         """Write the scene to one file that a browser opens, without a request to anywhere; return its path."""
         file = Path(path)
-        file.write_text(self.html(), encoding="utf-8")
+        with replacing(file) as part:
+            part.write_text(self.html(), encoding="utf-8")
         return file
 
     def _repr_html_(self) -> str:
