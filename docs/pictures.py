@@ -23,7 +23,8 @@ def main() -> None:
     strip(report, IMAGES / "strip.png")
 
     robot = ospace.SpaceRobot.from_urdf(ospace.models.path("chaser_24dof"))
-    scene = Scene(robot, show=("robot", "points", "mass-centre", "operational-inertia", "manipulability"))
+    hands = [robot.point("right_hand"), robot.point("left_hand")]
+    scene = Scene(robot, hands, show=("robot", "points", "mass-centre", "operational-inertia", "manipulability"))
     scene.display(robot.configuration({"right_arm_2": -0.6, "right_arm_4": 1.4, "left_arm_2": 0.6, "left_arm_4": 1.4}))
     browser.screenshot(scene.html(), IMAGES / "view.png")
     for name in ("grasp", "report", "strip", "view"):
