@@ -22,7 +22,7 @@ from ospace.urdf.findings import Finding, gravest_first
 from ospace.validation import words
 from ospace.validation.report import Report
 from ospace.visual import look, page
-from ospace.visual.figure import Figure, of_description
+from ospace.visual.figure import LEGENDS, TITLES, Figure, of_description
 from ospace.visual.page import Label, Layer
 from ospace.visual.solids import GREY, Ball, box_corners, material
 from ospace.visual.stage import Stage
@@ -31,8 +31,6 @@ COLOURS: dict[str, Colour] = {"error": (0.93, 0.13, 0.13, 1.0), "warning": (1.0,
 """Of links with findings."""
 _BACKGROUND: look.Background = "space"
 _SHOWN, _NAMES = "/shown", "names"  # node of the axes of the link that is shown, layer of names
-_TITLES = {"robot": "robot", "collision": "collision shapes", "inertia": "inertia of each link"}
-_LEGENDS = {"inertia": "uniform ellipsoids of the same mass and tensor; red: no mass is spread so"}
 _MARKING = "red: errors, amber: warnings, grey: others; what is found at a joint colours the link that it carries"
 _MOST_NAMES = 12  # in the scene, gravest first
 _LARGEST = 1e12  # m, that a scene is drawn to
@@ -254,7 +252,7 @@ def _dot(stage: Stage, figure: Figure, link: str, colour: Colour, radius: float)
 def _layers(stage: Stage, figure: Figure, shown: Collection[str], *, named: bool) -> list[Layer]:
     """Return the layers that hold something, and that of names where links have any."""
     layers = [
-        Layer(name, _TITLES[name], _LEGENDS.get(name, ""), paths, name in shown)
+        Layer(name, TITLES[name], LEGENDS.get(name, ""), paths, name in shown)
         for name, paths in figure.layers.items()
         if paths
     ]

@@ -20,6 +20,9 @@ from ospace.urdf.meshes import MeshError, locate
 from ospace.visual.solids import Ball, Solid, box_corners, homogeneous, material, solids
 from ospace.visual.stage import Stage, component
 
+TITLES = {"robot": "robot", "collision": "collision shapes", "inertia": "inertia of each link"}
+"""The layers of a figure, and what pages call them."""
+LEGENDS = {"inertia": "uniform ellipsoids of the same mass and tensor; red: no mass is spread so"}
 _COLLISION: Colour = (0.25, 0.9, 0.55, 0.35)
 _INERTIA: Colour = (1.0, 0.72, 0.2, 0.45)
 _WRONG: Colour = (1.0, 0.15, 0.15, 0.7)
@@ -51,7 +54,7 @@ class Figure:
 
     nodes: list[str] = field(default_factory=list)
     rest: list[Floats] = field(default_factory=list)
-    layers: dict[str, list[str]] = field(default_factory=lambda: {"robot": [], "collision": [], "inertia": []})
+    layers: dict[str, list[str]] = field(default_factory=lambda: {name: [] for name in TITLES})
     findings: list[Finding] = field(default_factory=list)
     extents: list[tuple[int, Floats]] = field(default_factory=list)
     links: dict[str, tuple[int, Floats]] = field(default_factory=dict)

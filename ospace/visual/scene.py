@@ -23,21 +23,15 @@ from ospace.state import State, checked_state
 from ospace.urdf.findings import Finding
 from ospace.visual import between, look, page
 from ospace.visual.animation import ERROR, animation
-from ospace.visual.figure import of_robot
+from ospace.visual.figure import LEGENDS, TITLES, of_robot
 from ospace.visual.look import Background
 from ospace.visual.page import Label, Layer
 from ospace.visual.quantities import QUANTITIES, Momentum, steadied
 from ospace.visual.stage import Stage, component
 
-LAYERS = {
-    "robot": "robot",
-    "collision": "collision shapes",
-    "inertia": "inertia of each link",
-    "points": "operational points",
-} | {one.name: one.title for one in QUANTITIES}
+LAYERS = TITLES | {"points": "operational points"} | {one.name: one.title for one in QUANTITIES}
 """Names of layers, and what the page calls them."""
 SHOWN = ("robot", "points", "mass-centre")
-_LEGENDS = {"inertia": "uniform ellipsoids of the same mass and tensor; red: no mass is spread so"}
 _MOST_POINTS = 8  # unless points are given
 _QUANTITY_RATE = 20.0  # Hz, at which quantities are drawn in an animation
 _SAMPLES = 40  # of a motion, for the size of the scene
@@ -147,7 +141,7 @@ class Scene:
             shown = (*shown, "collision")  # all that there is to be seen
         paths = {one.name: one.paths for one in self._quantities} | {"points": [label.path for label in self._labels]}
         self._layers = {
-            name: Layer(name, title, _LEGENDS.get(name, ""), list(paths.get(name, [])), name in shown)
+            name: Layer(name, title, LEGENDS.get(name, ""), list(paths.get(name, [])), name in shown)
             for name, title in LAYERS.items()
         }
         self._labels.append(Label("centre of mass", self._quantities[0].paths[0], "mass-centre"))
