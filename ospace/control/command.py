@@ -23,6 +23,8 @@ class Layout:
     joints: Sequence[str]
     components: Sequence[str]
     """Of the wrench on the base that are actuated."""
+    largest: Floats
+    """Limits of these, as the program has them; wheels near their momentum are bounded more narrowly."""
     tasks: Sequence[str]
     first: Sequence[int]
     """(T + 1,) where the rows of each task begin."""
@@ -84,19 +86,25 @@ class Command:
 
     @cached_property
     def active_limits(self) -> tuple[str, ...]:
-        """Limits that bind, as ``'right_arm_4: torque, upper'`` or ``'base force x, lower'``."""
+        """Limits that bind, as ``'right_arm_4: torque, upper'`` or ``'base force x, lower'``.
+
+        Wheels that hold all they can are ``'base torque z: wheel momentum, upper'``.
+        """
         lower, upper, value, cause = self._bounds
-        n, components = len(self._layout.joints), self._layout.components
-        names = [(joint, None) for joint in self._layout.joints] + [(f"base {name}", "") for name in components]
-        names += [(joint, "torque") for joint in self._layout.joints]
+        joints, components = self._layout.joints, self._layout.components
+        n, m = len(joints), len(components)
         found = []
         for side, bound, sign in (("lower", lower, -1.0), ("upper", upper, 1.0)):
             on = sign * (value - bound) > -_ON * np.maximum(1.0, np.abs(bound))
-            for i in np.flatnonzero(on):
-                name, what = names[i]
-                if what is None:
-                    what = _CAUSES[cause[0 if side == "lower" else 1, i % max(n, 1)]]
-                found.append(f"{name}: {what}, {side}" if what else f"{name}, {side}")
+            for i in map(int, np.flatnonzero(on)):
+                if i < n:
+                    what = f"{joints[i]}: {_CAUSES[cause[0 if side == 'lower' else 1, i]]}"
+                elif i >= n + m:
+                    what = f"{joints[i - n - m]}: torque"
+                else:
+                    narrow = abs(bound[i]) < (1.0 - _ON) * self._layout.largest[i - n]
+                    what = f"base {components[i - n]}" + (": wheel momentum" if narrow else "")
+                found.append(f"{what}, {side}")
         return tuple(found)
 
     @cached_property

@@ -144,6 +144,7 @@ class Controller:
         self._layout = Layout(
             robot.joint_names,
             [_COMPONENTS[c] for c in self._base.component],
+            largest,
             [task.name for task in self.tasks],
             [int(row) for row in first],
             np.concatenate([np.zeros(0, dtype=np.int64), *geometric]),
