@@ -66,13 +66,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return EXIT_USAGE
 
 
-def find(urdf: str) -> Path:
-    """Return the file, or the robot of that name that comes with ospace."""
+def find(text: str, *, scenario: bool = False) -> Path:
+    """Return the file, or the robot or scenario of that name that comes with ospace."""
     from ospace import models
 
-    if os.path.lexists(urdf) or Path(urdf).name != urdf or Path(urdf).suffix:
-        return Path(urdf)
-    return models.path(urdf)
+    if os.path.lexists(text) or Path(text).name != text or Path(text).suffix:
+        return Path(text)
+    return models.scenario(text) if scenario else models.path(text)
 
 
 def package_dirs(given: argparse.Namespace) -> list[str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
@@ -50,18 +49,9 @@ def _log(text: str) -> Path:
     return output.file(text)
 
 
-def find(scenario: str) -> Path:
-    """Return the file, or the scenario of that name that comes with ospace."""
-    from ospace import models
-
-    if os.path.lexists(scenario) or Path(scenario).name != scenario or Path(scenario).suffix:
-        return Path(scenario)
-    return models.scenario(scenario)
-
-
 def run(given: argparse.Namespace) -> tuple[int, str]:
     """Run; return the exit status and the text to print."""
-    from ospace.cli.main import EXIT_FINDINGS, EXIT_INTERRUPTED, EXIT_USAGE
+    from ospace.cli.main import EXIT_FINDINGS, EXIT_INTERRUPTED, EXIT_USAGE, find
     from ospace.extras import require, require_scene
     from ospace.scenario import load
 
@@ -69,7 +59,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
         require_scene("a scene")
     if given.html:
         require("matplotlib", "a report")
-    file = find(given.scenario)
+    file = find(given.scenario, scenario=True)
     output.distinct([file], [given.log, given.csv, given.html])
     scenario = load(file)
     if given.check:

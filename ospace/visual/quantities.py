@@ -11,9 +11,11 @@ momentum             linear and angular, of the whole, of the base, of all that 
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import permutations
+from typing import ClassVar
 
 import numpy as np
 import pinocchio as pin
@@ -46,30 +48,64 @@ _SLOW = 0.1  # m/s and rad/s: what the arrows of momentum are measured by, unles
 Placed = Iterator[tuple[str, Floats]]
 
 
-class MassCentre:
+class Quantity(ABC):
+    """A quantity on a stage.
+
+    Attributes
+    ----------
+    name, title : str
+        Of its layer, and what pages call it.
+    round : bool
+        Whether it is made of balls, whose axes may change places.
+    paths : list of str
+        Its nodes.
+    """
+
+    name: ClassVar[str]
+    title: ClassVar[str]
+    round: ClassVar[bool] = False
+    paths: list[str]
+    _legend = ""
+
+    @abstractmethod
+    def __init__(
+        self, stage: Stage, root: str, points: Sequence[OperationalPoint], reach: float, robot: SpaceRobot
+    ) -> None: ...
+
+    @property
+    def legend(self) -> str:
+        """What its lengths and colours say."""
+        return self._legend
+
+    def measure(self, states: Iterable[State]) -> None:  # noqa: B027 (most have a scale of their own)
+        """Take the scale from the states of a motion, where it is not given once for all."""
+
+    @abstractmethod
+    def place(self, state: State) -> Placed:
+        """Yield paths and placements (4, 4) as seen from the base's origin, inertial axes, m."""
+
+
+class MassCentre(Quantity):
     """The centre of mass."""
 
     name, title = "mass-centre", "centre of mass"
-    round = False
 
     def __init__(
         self, stage: Stage, root: str, points: Sequence[OperationalPoint], reach: float, robot: SpaceRobot
     ) -> None:
         self.paths = [f"{root}/mass centre"]
-        self.legend = ""
         stage.set_object(self.paths[0] + "/ball", Ball(0.018 * reach), g.MeshPhongMaterial(color=_CENTRE))
 
     def place(self, state: State) -> Placed:
-        """Yield paths and placements (4, 4) as seen from the base's origin, inertial axes, m."""
+        """Place its nodes, as `Quantity.place`."""
         yield self.paths[0], homogeneous(np.eye(3), _mass_centre(state))
 
 
-class OperationalInertia:
+class OperationalInertia(Quantity):
     """Translational Γ_e of each point by itself."""
 
     name, title = "operational-inertia", "operational-space inertia Γₑ"
     round = True
-    """Whether it is made of balls, whose axes may change places."""
 
     def __init__(
         self, stage: Stage, root: str, points: Sequence[OperationalPoint], reach: float, robot: SpaceRobot
@@ -77,12 +113,12 @@ class OperationalInertia:
         self._points = _linear(points)
         self.paths = [f"{root}/inertia {component(point.frame)} {k}" for k, point in enumerate(points)]
         self._scale, self._least = 0.4 * reach / robot.total_mass**0.5, _VANISHED * reach
-        self.legend = f"effective masses: semi-axes are {100.0 * self._scale:.2g} cm √(m/kg)"
+        self._legend = f"effective masses: semi-axes are {100.0 * self._scale:.2g} cm √(m/kg)"
         for path in self.paths:
             stage.set_object(f"{path}/ball", Ball(1.0), material(_MASS))
 
     def place(self, state: State) -> Placed:
-        """As `MassCentre.place`."""
+        """Place its nodes, as `Quantity.place`."""
         for path, point in zip(self.paths, self._points, strict=True):
             at = state.placement_about_base(point).translation
             try:
@@ -92,7 +128,7 @@ class OperationalInertia:
             yield path, _ellipsoid(axes, self._scale * np.sqrt(np.maximum(masses, 0.0)), at, self._least)
 
 
-class Manipulability:
+class Manipulability(Quantity):
     """Generalized manipulability, and that of the same arm on a base that is held."""
 
     name, title = "manipulability", "generalized manipulability"
@@ -107,13 +143,13 @@ class Manipulability:
         self._held = [f"{root}/held {name}" for name in names]
         self.paths = self._floating + self._held
         self._scale, self._least = 0.2, _VANISHED * reach
-        self.legend = "velocity at unit joint rates, 1 m/s as 20 cm; cyan: floating base, grey: base held"
+        self._legend = "velocity at unit joint rates, 1 m/s as 20 cm; cyan: floating base, grey: base held"
         for paths, colour in ((self._floating, _FLOATING), (self._held, _HELD)):
             for path in paths:
                 stage.set_object(f"{path}/ball", Ball(1.0), material(colour))
 
     def place(self, state: State) -> Placed:
-        """As `MassCentre.place`."""
+        """Place its nodes, as `Quantity.place`."""
         for floating, held, point in zip(self._floating, self._held, self._points, strict=True):
             at = state.placement_about_base(point).translation
             J_m = operational_space(state, point, method="dense").jacobian[:, 6:]
@@ -122,11 +158,10 @@ class Manipulability:
                 yield path, _ellipsoid(U, self._scale * np.sqrt(sigma), at, self._least)
 
 
-class Momentum:
+class Momentum(Quantity):
     """Linear and angular momentum."""
 
     name, title = "momentum", "momentum"
-    round = False
 
     def __init__(
         self, stage: Stage, root: str, points: Sequence[OperationalPoint], reach: float, robot: SpaceRobot
@@ -157,7 +192,7 @@ class Momentum:
             self._largest[kind] = float(largest) or self._largest[kind]
 
     def place(self, state: State) -> Placed:
-        """As `MassCentre.place`."""
+        """Place its nodes, as `Quantity.place`."""
         scale = float(np.linalg.norm(state.v)) * state.robot.total_mass
         for part, (h, at) in _momenta(state).items():
             for kind, vector in (("linear", h[:3]), ("angular", h[3:])):
@@ -186,7 +221,7 @@ def steadied(places: Sequence[Floats]) -> list[Floats]:
     return found
 
 
-QUANTITIES = (MassCentre, OperationalInertia, Manipulability, Momentum)
+QUANTITIES: tuple[type[Quantity], ...] = (MassCentre, OperationalInertia, Manipulability, Momentum)
 
 
 def _linear(points: Sequence[OperationalPoint]) -> list[OperationalPoint]:
@@ -214,10 +249,8 @@ def _mass_centre(state: State) -> Floats:
 
 def _momenta(state: State) -> dict[str, tuple[Floats, Floats]]:
     """Return momentum (6,) about the centre of mass of the whole, and centre of mass (3,), of each part."""
-    robot, q = state.robot, state.beside_base()[0]
-    data, own = robot.scratch.data, robot.model.inertias[1]
-    centre = np.array(pin.centerOfMass(robot.model, data, q))
-    R = pin.Quaternion(q[3:7]).matrix()
+    robot = state.robot
+    own, centre, R = robot.model.inertias[1], _mass_centre(state), state.T_WB.rotation
     at = R @ own.lever
     h = own * pin.Motion(state.v[:6])  # about the base's origin, base axes
     linear, angular = R @ h.linear, R @ h.angular

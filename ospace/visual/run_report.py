@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 
@@ -17,18 +17,9 @@ from ospace.points import OperationalPoint
 from ospace.robot import SpaceRobot
 from ospace.scenario import Run, Scenario, log, series, words
 from ospace.visual import page, plots
-from ospace.visual.scene import Scene
+from ospace.visual.scene import Records, Scene
 
 _SAME = 1e-9  # s: times that differ by rounding
-
-
-@dataclass(frozen=True)
-class WholeMotion:
-    """A robot's motion over all segments of a run, by itself and grasped; attributes as of `Trajectory`."""
-
-    time: Floats
-    q: Floats
-    v: Floats
 
 
 def save(run: Run, path: str | PathLike[str]) -> Path:
@@ -53,16 +44,9 @@ def render(run: Run) -> str:
     content = scene.content()
     curves = series.of(kept)
     dark = content.background == "space"
+    took = f"{run.duration:g} s simulated in {run.seconds:.1f} s"
     return page.render(
-        page.Content(
-            content.stage,
-            kept.name,
-            f"{content.heading}; {run.duration:g} s simulated in {run.seconds:.1f} s",
-            content.background,
-            content.layers,
-            content.labels,
-            content.notes,
-        ),
+        replace(content, title=kept.name, heading=f"{content.heading}; {took}"),
         template="run.html",
         report_style=page.own_text("report.css"),
         report_script=page.own_text("report.js"),
@@ -97,7 +81,7 @@ def animate(scene: Scene, run: Run) -> None:
     scene.animate(*motions_of(run))
 
 
-def motions_of(run: Run) -> tuple[WholeMotion, ...]:
+def motions_of(run: Run) -> tuple[Records, ...]:
     """Return the motion of the chaser, and of the target if there is one, each over all segments of a run.
 
     A target that has one record, of a run that ended within its first control cycle, goes on as it moved then.
@@ -126,18 +110,18 @@ def motions_of(run: Run) -> tuple[WholeMotion, ...]:
     return tuple(_going_on(one, robot, time) for one, robot in zip(motions, robots, strict=True))
 
 
-def _going_on(motion: WholeMotion, robot: SpaceRobot, time: Floats) -> WholeMotion:
+def _going_on(motion: Records, robot: SpaceRobot, time: Floats) -> Records:
     if len(motion.time) > 1:
         return motion
     (q,), (v,) = motion.q, motion.v
     later = np.asarray(pin.integrate(robot.model, q, (time[-1] - time[0]) * v))
-    return WholeMotion(time[[0, -1]], np.array([q, later]), np.array([v, v]))
+    return Records(time[[0, -1]], np.array([q, later]), np.array([v, v]))
 
 
-def _joined(parts: Sequence[tuple[Floats, Floats, Floats]]) -> WholeMotion:
+def _joined(parts: Sequence[tuple[Floats, Floats, Floats]]) -> Records:
     time, q, v = (np.concatenate([one[k] for one in parts]) for k in range(3))
     later = np.r_[True, np.diff(np.maximum.accumulate(time)) > _SAME]  # a segment begins where the one before it ends
-    return WholeMotion(time[later], q[later], v[later])
+    return Records(time[later], q[later], v[later])
 
 
 # -- what stands beside it ---------------------------------------------------------------------------------------

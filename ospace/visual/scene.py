@@ -26,7 +26,7 @@ from ospace.visual.animation import ERROR, animation
 from ospace.visual.figure import LEGENDS, TITLES, of_robot
 from ospace.visual.look import Background
 from ospace.visual.page import Label, Layer
-from ospace.visual.quantities import QUANTITIES, Momentum, steadied
+from ospace.visual.quantities import QUANTITIES, steadied
 from ospace.visual.stage import Stage, component
 
 LAYERS = TITLES | {"points": "operational points"} | {one.name: one.title for one in QUANTITIES}
@@ -51,6 +51,14 @@ class Motion(Protocol):
     @property
     def v(self) -> Floats:
         """(N, nv) velocities."""
+
+
+class Records(NamedTuple):
+    """A motion as arrays; attributes as of `Motion`."""
+
+    time: Floats
+    q: Floats
+    v: Floats
 
 
 class _Player:
@@ -259,8 +267,7 @@ class Scene:
         states = [self.robot.state(Q[k], V[k]) for k in records]
         moved = {}
         for quantity in self._quantities:
-            if isinstance(quantity, Momentum):
-                quantity.measure(states)
+            quantity.measure(states)
             placed: dict[str, list[Floats]] = {path: [] for path in quantity.paths}
             for state in states:
                 for path, T in quantity.place(state):
@@ -323,13 +330,7 @@ def _default_points(robot: SpaceRobot) -> list[OperationalPoint]:
     return ([point for point in points if point.joint > 1] or points)[:_MOST_POINTS]
 
 
-class _Checked(NamedTuple):
-    time: Floats
-    q: Floats
-    v: Floats
-
-
-def _checked(robot: SpaceRobot, motion: Motion) -> _Checked:
+def _checked(robot: SpaceRobot, motion: Motion) -> Records:
     """Return a motion as arrays; raise `OspaceError` where it is none of the robot."""
     try:
         time, q, v = (np.asarray(one, dtype=np.float64) for one in (motion.time, motion.q, motion.v))
@@ -352,7 +353,7 @@ def _checked(robot: SpaceRobot, motion: Motion) -> _Checked:
         raise OspaceError(f"the motion of '{robot.name}': time does not increase at record {k}, {time[k]} s")
     for k in (int(np.argmax(np.abs(np.linalg.norm(q[:, 3:7], axis=1) - 1.0))), 0, n - 1):
         robot.state(q[k], v[k])
-    return _Checked(time, q, v)
+    return Records(time, q, v)
 
 
 def _pose_and_scale(T: Floats) -> Floats:
