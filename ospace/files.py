@@ -1,12 +1,19 @@
-"""Files that appear when they are whole."""
+"""Files that appear when they are whole, and are read so."""
 
 from __future__ import annotations
 
 import os
 import shutil
+import zipfile
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ospace.exceptions import OspaceError
 
 
 @contextmanager
@@ -33,3 +40,21 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
         os.replace(part, file)
     finally:
         part.unlink(missing_ok=True)
+
+
+def arrays(path: str | os.PathLike[str], what: str) -> dict[str, Any]:
+    """Return the arrays of an ``.npz`` file by their names.
+
+    Raises
+    ------
+    OspaceError
+        The file, which should hold `what`, cannot be read, is cut off, or is another.
+    """
+    try:
+        with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
+    except OSError as error:
+        reason = error.strerror or str(error)
+    except (ValueError, TypeError, AttributeError, EOFError, zipfile.BadZipFile, zlib.error):
+        reason = "it is no whole .npz file of numbers"
+    raise OspaceError(f"{path}: no {what} can be read from it ({reason})")

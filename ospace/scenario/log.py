@@ -10,8 +10,6 @@ import json
 import math
 import os
 import platform
-import zipfile
-import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
@@ -22,7 +20,7 @@ import pinocchio as pin
 
 import ospace
 from ospace.exceptions import OspaceError, printable
-from ospace.files import replacing
+from ospace.files import arrays, replacing
 from ospace.kernels.tables import Floats
 from ospace.scenario.result import BASE, Contact, PhaseResult, Run, Segment, TaskErrors, Verdict
 from ospace.simulation import Certificate, Conserved, Trajectory
@@ -175,11 +173,7 @@ def load(path: str | os.PathLike[str]) -> Log:
     OspaceError
         The file cannot be read, or holds something else; an array that fits nothing is named.
     """
-    try:
-        with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
-            stored: dict[str, Any] = {name: file[name] for name in file.files}
-    except (OSError, ValueError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
-        raise OspaceError(f"{path}: no run can be read from it ({error})") from None
+    stored = arrays(path, "run")
     try:
         about = json.loads(str(stored.pop(_ABOUT)))
         if about.pop("format") != _FORMAT:

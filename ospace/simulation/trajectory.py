@@ -5,12 +5,13 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 import pinocchio as pin
 
 from ospace.exceptions import OspaceError
+from ospace.files import arrays
 from ospace.kernels.tables import Floats
 from ospace.robot import SpaceRobot
 from ospace.simulation.certificate import Certificate, certify
@@ -125,11 +126,7 @@ class Trajectory:
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
         """Read what `save` wrote; raises `OspaceError` if the file cannot be read or holds something else."""
-        try:
-            with np.load(path, allow_pickle=False) as file:
-                stored: dict[str, Any] = {name: file[name] for name in file.files}
-        except (OSError, ValueError, AttributeError) as error:
-            raise OspaceError(f"{path}: no trajectory can be read from it ({error})") from None
+        stored = arrays(path, "trajectory")
         missing = [one.name for one in fields(cls) if one.name not in stored]
         if missing or len(stored) != len(fields(cls)):
             raise OspaceError(f"{path}: holds no trajectory of this version of ospace; missing: {', '.join(missing)}")

@@ -285,7 +285,8 @@ def test_files(robot, start, tmp_path):
     table = np.loadtxt(next(file for file in files if file.name == "q.csv"), delimiter=",", skiprows=1)
     assert np.array_equal(table, np.c_[result.time, result.q])
     (tmp_path / "other.npz").write_bytes(b"no archive")
-    for name in ("other.npz", "missing.npz"):
+    (tmp_path / "cut.npz").write_bytes((tmp_path / "run.npz").read_bytes()[:-100])
+    for name in ("other.npz", "cut.npz", "missing.npz"):
         with pytest.raises(OspaceError, match="no trajectory can be read"):
             Trajectory.load(tmp_path / name)
     np.savez(tmp_path / "else.npz", q=np.zeros(3))
