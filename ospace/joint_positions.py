@@ -1,10 +1,13 @@
-"""Joint positions as people say them, and as `q` holds them."""
+"""User-facing joint coordinates, the numbers of `q` they stand for, and their limits."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 import pinocchio as pin
 
 from ospace.exceptions import OspaceError
@@ -12,6 +15,10 @@ from ospace.kernels.tables import Floats
 
 Position: TypeAlias = float | Floats | Any
 """Angle or displacement; (x, y, θ) of a planar joint; `pin.SE3` of a floating one; Pinocchio's numbers of any other."""
+ROUNDING = 1e-9
+"""Excess over a limit that counts as rounding, rad or m."""
+_IN_METRES = ("PX", "PY", "PZ", "PrismaticUnaligned", "Translation", "Planar", "FreeFlyer")
+_NO_LIMIT = 1e6  # rad or m: files write 1e9 or 999999999 for a limit that is never reached
 
 
 def _kind(joint: pin.JointModel) -> str:
@@ -56,3 +63,64 @@ def from_q(joint: pin.JointModel, numbers: Floats) -> Position:
     if kind == "planar":
         return np.array([numbers[0], numbers[1], np.arctan2(numbers[3], numbers[2])])
     return pin.XYZQUATToSE3(numbers) if kind == "pose" else numbers.copy()
+
+
+@dataclass(frozen=True, eq=False)
+class BoundedCoordinates:
+    """The coordinates of `q` that a limit can bound: all but rotations kept as quaternions or as (cos, sin).
+
+    Attributes
+    ----------
+    index : (k,)
+        Where they stand in `q`.
+    joint : (k,)
+        Number of the joint that each belongs to, by Pinocchio's count.
+    """
+
+    index: npt.NDArray[np.int64]
+    joint: npt.NDArray[np.int64]
+
+    @classmethod
+    def of(cls, model: pin.Model) -> BoundedCoordinates:
+        """Collect those of all joints behind the base."""
+        places = [(model.idx_qs[j] + k, j) for j in range(2, model.njoints) for k in range(_straight(model.joints[j]))]
+        index, joint = np.array(places, dtype=np.int64).reshape(-1, 2).T
+        return cls(index, joint)
+
+    def limits(self, model: pin.Model) -> tuple[Floats, Floats]:
+        """Return lower and upper limits (k,); infinite where reversed ones or NaN allow no position at all."""
+        lower, upper = model.lowerPositionLimit[self.index], model.upperPositionLimit[self.index]
+        usable = lower <= upper
+        return np.where(usable, lower, -np.inf), np.where(usable, upper, np.inf)
+
+    def excess(self, model: pin.Model, q: Floats) -> Floats:
+        """Return by how much each coordinate (k,) lies beyond a limit, rad or m; not above zero inside."""
+        lower, upper = self.limits(model)
+        return np.maximum(lower - q[self.index], q[self.index] - upper)
+
+    def nearest_to_zero(self, model: pin.Model) -> Floats:
+        """Return positions (k,) inside the limits: zero, or else the middle of the range, or its one bound."""
+        lower, upper = self.limits(model)
+        nearest: Floats = np.clip(0.0, lower, upper)
+        ranged = (nearest != 0.0) & (lower > -_NO_LIMIT) & (upper < _NO_LIMIT)
+        nearest[ranged] = 0.5 * (lower[ranged] + upper[ranged])
+        return nearest
+
+
+def excess_text(model: pin.Model, beyond: Mapping[str, float]) -> str:
+    """Write what `SpaceRobot.outside_limits` returns, as in "'elbow' by 0.0698 rad (4 deg), 'boom' by 0.02 m"."""
+    unit = {
+        name: "m" if joint.shortname().removeprefix("JointModel") in _IN_METRES else "rad"
+        for name, joint in zip(model.names, model.joints, strict=True)
+    }
+    return ", ".join(
+        f"'{name}' by {excess:.3g} {unit[name]}" + (f" ({np.rad2deg(excess):.3g} deg)" if unit[name] == "rad" else "")
+        for name, excess in beyond.items()
+    )
+
+
+def _straight(joint: pin.JointModel) -> int:
+    """Return how many of the joint's first coordinates are lengths or plain angles."""
+    if joint.nq == joint.nv:
+        return int(joint.nq)
+    return {"planar": 2, "pose": 3}.get(_kind(joint), 0)

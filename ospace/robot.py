@@ -14,7 +14,7 @@ import pinocchio as pin
 
 from ospace.checks import checked_vector
 from ospace.exceptions import OspaceError, UnsoundModelError, closest
-from ospace.joint_positions import Position, from_q, to_q
+from ospace.joint_positions import ROUNDING, BoundedCoordinates, Position, from_q, to_q
 from ospace.kernels.tables import Floats, Links
 from ospace.link_frames import LinkFrames, link_frames
 from ospace.pinocchio_pass import PinocchioPass
@@ -293,6 +293,50 @@ class SpaceRobot:
             for j, name in enumerate(self.model.names)
             if j > 1
         }
+
+    def neutral(self) -> Floats:
+        """Return a `q` inside all joint limits: base at the origin, joints at zero where their limits allow it.
+
+        Where they do not, the joint stands in the middle of its range, or at its limit if it has only one. A range
+        whose lower limit exceeds the upper allows no position, and is ignored as in `outside_limits`.
+
+        Returns
+        -------
+        (nq,) array
+        """
+        q: Floats = pin.neutral(self.model)
+        q[self._bounded.index] = self._bounded.nearest_to_zero(self.model)
+        return q
+
+    def outside_limits(self, q: npt.ArrayLike) -> dict[str, float]:
+        """Return the joints whose position in `q` lies outside their limits, and by how much.
+
+        Parameters
+        ----------
+        q : (nq,)
+            m, rad.
+
+        Returns
+        -------
+        dict of joint name to excess
+            Distance to the limit that is passed, above zero; rad, or m for prismatic joints; the largest one of a joint
+            with several coordinates. Empty inside the limits, and within 1e-9 of them.
+
+        Raises
+        ------
+        OspaceError
+            Wrong length, or a number that is not finite.
+        """
+        excess = self._bounded.excess(self.model, checked_vector(q, self.nq, "q", self.name))
+        beyond: dict[str, float] = {}
+        for k in np.flatnonzero(excess > ROUNDING):
+            name = str(self.model.names[int(self._bounded.joint[k])])
+            beyond[name] = max(float(excess[k]), beyond.get(name, 0.0))
+        return beyond
+
+    @cached_property
+    def _bounded(self) -> BoundedCoordinates:
+        return BoundedCoordinates.of(self.model)
 
     def base_pose(self, q: npt.ArrayLike) -> pin.SE3:
         """Read the base pose T_WB from `q`."""

@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import ospace
+from ospace import joint_positions
 
 NQ = {"revolute": 1, "continuous": 2, "prismatic": 1, "planar": 4, "floating": 7, "fixed": 0}
 NV = {"revolute": 1, "continuous": 1, "prismatic": 1, "planar": 3, "floating": 6, "fixed": 0}
@@ -394,8 +395,89 @@ def test_joints_that_are_no_mapping_are_refused(all_types, joints):
         all_types.configuration(joints)
 
 
-@pytest.mark.parametrize("read", ["joint_positions", "base_pose"])
+@pytest.mark.parametrize("read", ["joint_positions", "base_pose", "outside_limits"])
 @pytest.mark.parametrize("q", [[1.0], np.full(7, np.nan), "q", None])
 def test_reading_back_checks_q(all_types, read, q):
     with pytest.raises(ospace.OspaceError, match="q"):
         getattr(all_types, read)(q)
+
+
+# -- limits ------------------------------------------------------------------------------------------------------
+
+RANGES = {
+    "about zero": (-1.0, 2.0, 0.0),
+    "from zero": (0.0, 2.0, 0.0),
+    "above": (0.5, 2.5, 1.5),
+    "below": (-3.0, -0.07, -1.535),
+    "above, without end": (0.25, 1e9, 0.25),
+    "below, without end": (-1e9, -0.25, -0.25),
+    "one position": (0.3, 0.3, 0.3),
+    "reversed": (1.0, -1.0, 0.0),
+}
+
+
+def within(folder, kind, lower, upper):
+    limited = LIMIT.replace('"-1"', f'"{lower!r}"').replace('upper="1"', f'upper="{upper!r}"')
+    return load(folder, link("base"), link("arm"), joint("hinge", kind, "arm").replace(LIMIT, limited))
+
+
+@pytest.mark.parametrize("kind", ["revolute", "prismatic"])
+@pytest.mark.parametrize("name", RANGES)
+def test_neutral_is_inside_the_limits_and_zero_where_they_allow_it(tmp_path, kind, name):
+    lower, upper, wanted = RANGES[name]
+    robot = within(tmp_path, kind, lower, upper)
+    assert robot.joint_positions(robot.neutral())["hinge"] == pytest.approx(wanted)
+    assert robot.outside_limits(robot.neutral()) == {}
+    assert robot.base_pose(robot.neutral()).isIdentity()
+
+
+@pytest.mark.parametrize("kind", ["revolute", "prismatic"])
+def test_outside_limits_tells_the_distance_to_the_limit_that_is_passed(tmp_path, kind):
+    robot = within(tmp_path, kind, -0.5, 2.0)
+    for value, excess in ((2.25, 0.25), (-0.6, 0.1), (7.0, 5.0)):
+        assert robot.outside_limits(robot.configuration({"hinge": value})) == {"hinge": pytest.approx(excess)}
+    for value in (-0.5, 2.0, 2.0 + 1e-10, -0.5 - 1e-10, 0.0):
+        assert robot.outside_limits(robot.configuration({"hinge": value})) == {}
+
+
+def test_joints_that_nothing_limits_are_never_outside(all_types):
+    far = dict.fromkeys((name for name in all_types.joint_names if name.startswith("continuous")), 3.0)
+    far |= {name: (50.0, -50.0, 3.0) for name in all_types.joint_names if name.startswith("planar")}
+    far |= {name: pin.SE3.Random() for name in all_types.joint_names if name.startswith("floating")}
+    assert far
+    assert all_types.outside_limits(all_types.configuration(far)) == {}
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_limits_of_all_joint_types_are_kept_apart(seed):
+    """Each joint is pushed beyond a limit alone, along the coordinates that Pinocchio bounds and that add up."""
+    robot = trees.tree(seed, 14)
+    model = robot.model
+    pushed = 0
+    for j in range(2, model.njoints):
+        for k in range(model.idx_qs[j], model.idx_qs[j] + model.nqs[j]):
+            if model.nqs[j] == model.nvs[j] or (
+                model.joints[j].shortname() == "JointModelPlanar" and k < model.idx_qs[j] + 2
+            ):
+                model.lowerPositionLimit[k], model.upperPositionLimit[k] = 0.5, 0.75
+                q = robot.neutral()
+                assert robot.outside_limits(q) == {}
+                assert pin.isNormalized(model, q)
+                q[k] = 1.0
+                assert robot.outside_limits(q) == {model.names[j]: 0.25}
+                pushed += 1
+    assert pushed > 8
+
+
+def test_limits_are_those_the_model_has_now(tmp_path):
+    robot = within(tmp_path, "revolute", -1.0, 1.0)
+    q = robot.configuration({"hinge": 0.9})
+    assert robot.outside_limits(q) == {}
+    robot.model.upperPositionLimit[7] = 0.8
+    assert robot.outside_limits(q) == {"hinge": pytest.approx(0.1)}
+
+
+def test_excess_is_written_in_the_unit_of_the_joint(tmp_path):
+    turning, sliding = (within(tmp_path, kind, -1.0, 1.0).model for kind in ("revolute", "prismatic"))
+    assert joint_positions.excess_text(turning, {"hinge": np.deg2rad(4.0)}) == "'hinge' by 0.0698 rad (4 deg)"
+    assert joint_positions.excess_text(sliding, {"hinge": 0.02}) == "'hinge' by 0.02 m"

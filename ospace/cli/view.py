@@ -37,7 +37,12 @@ def add_to(verbs: Any) -> None:
         action="append",
         help="operational point; repeatable (default: the first 8 leaf links that move)",
     )
-    verb.add_argument("--pose", metavar="JOINT=VALUE,...", default="", help="joint positions, rad or m; others are 0")
+    verb.add_argument(
+        "--pose",
+        metavar="JOINT=VALUE,...",
+        default="",
+        help="joint positions, rad or m; others are 0, or inside their limits where 0 is not",
+    )
     verb.add_argument(
         "--layers",
         metavar="NAME,...",
@@ -80,6 +85,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     """Show; return the exit status and the text to print."""
     from ospace.cli.main import find, package_dirs
     from ospace.extras import require_scene
+    from ospace.joint_positions import excess_text
     from ospace.robot import SpaceRobot
     from ospace.visual import browser
 
@@ -96,7 +102,9 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     output.distinct([file], [given.html, given.screenshot])
     output.writable(given.html, given.screenshot)
     robot = SpaceRobot.from_urdf(file, package_dirs(given), free_mimic=given.free_mimic)
-    q = robot.configuration(_pose(given.pose, robot))
+    q = robot.configuration({**robot.joint_positions(robot.neutral()), **_pose(given.pose, robot)})
+    if beyond := robot.outside_limits(q):
+        print(f"ospace: warning: --pose is outside limits: {excess_text(robot.model, beyond)}", file=sys.stderr)
     scene = _scene(given, robot)
     scene.display(q)
     for finding in scene.findings:

@@ -61,6 +61,14 @@ def test_options(view, tmp_path, options, expected):
     assert expected in (tmp_path / "out.html").read_text(encoding="utf-8")
 
 
+def test_the_default_pose_is_inside_limits_and_another_is_warned_of(view, tmp_path):
+    text = ospace.models.path("planar_2r").read_text(encoding="utf-8")
+    Path("bent.urdf").write_text(re.sub('lower="[^"]*" upper="[^"]*"', 'lower="1" upper="2"', text, count=1))
+    assert view("bent.urdf", "--html", "out.html")[::2] == (0, "")
+    status, _, err = view("bent.urdf", "--pose", "joint_1=2.5", "--html", "beyond.html")
+    assert (status, err) == (0, "ospace: warning: --pose is outside limits: 'joint_1' by 0.5 rad (28.6 deg)\n")
+
+
 def test_layers_shown_at_first(view, tmp_path):
     view("planar_2r", "--layers", "robot,momentum", "--collision", "--html", "out.html")
     boxes = re.findall(r'data-layer="([\w-]+)"( checked)?', (tmp_path / "out.html").read_text(encoding="utf-8"))
