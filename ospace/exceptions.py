@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ospace.simulation.trajectory import Trajectory
@@ -18,7 +18,18 @@ def printable(text: str) -> str:
 
 
 class OspaceError(Exception):
-    """Base of all errors that ospace raises on purpose; the message says what is wrong and what would be right."""
+    """Base of all errors that ospace raises on purpose; the message says what is wrong and what would be right.
+
+    Each crosses process boundaries, and copies, with its message, attributes and notes, whatever its constructor takes.
+    """
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Keep what the constructor left; Python would call it again, with the message for its arguments."""
+        return _restored, (type(self), *self.args), vars(self)
+
+
+def _restored(kind: type[OspaceError], *arguments: object) -> OspaceError:
+    return kind.__new__(kind, *arguments)
 
 
 class UrdfError(OspaceError):

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 import threading
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -346,6 +348,13 @@ class SpaceRobot:
         if name not in self.joint_names:
             raise OspaceError(f"robot '{self.name}' has no joint '{name}'{closest(str(name), self.joint_names)}")
         return 2 + self.joint_names.index(name)  # behind Pinocchio's universe and the base, whatever their names
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copy by laying out a copy of the model: a thread's scratch memory and what is derived stay behind."""
+        make = functools.partial(
+            type(self), source=self.source, description=self.description, package_dirs=self.package_dirs
+        )
+        return make, (self.model, self.findings)
 
     def __repr__(self) -> str:
         return f"SpaceRobot('{self.name}', nv={self.nv}, total_mass={self.total_mass:.6g} kg)"

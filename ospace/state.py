@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -83,6 +83,10 @@ class State:
         """Pose of an operational point, inertial axes, as seen from the base: exact wherever the base is, m."""
         here = self.placements[point.joint]
         return pin.SE3(here[:9].reshape(3, 3).T, here[9:]) * point.placement
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copy by taking the robot's copy to `q` and `v` anew."""
+        return type(self), (self.robot, self.q, self.v)
 
     def __repr__(self) -> str:
         return f"State({self.robot.name!r}, q={self.q}, v={self.v})"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -33,6 +34,7 @@ _EXCESS = 1e-5
 """Excess over motion limits that counts as one, rad/s²."""
 _BRAKING_TIME = 0.1
 """Within which joints are braked where nothing can be solved, s."""
+_LOOKED_UP = ("_solve", "_R", "_place", "_q", "_v")
 
 
 class Controller:
@@ -94,7 +96,7 @@ class Controller:
         self.tasks = (tasks,) if isinstance(tasks, Task) else tuple(tasks)
         self.robot, self.period = robot, _above_zero("period", period)
         self.base, self.limits = parse_base(base), limits or JointLimits.of(robot)
-        self._solve = solver_named(solver)
+        self._solver = solver
         self._refuse_repeated_names()
         for task in self.tasks:
             task.check(robot, self.base)
@@ -103,8 +105,7 @@ class Controller:
         self._points = [base_point(robot), *(point for task in self.tasks for point in task.points)]
         self._run = OperationalSpaceEvaluator(robot, self._points, ("generalized_inertia", "generalized_bias"))
         self._tasks = self._lay_out()
-        self._R, self._place = self._run.table("R"), self._run.table("place")
-        self._q, self._v = self._run.table("q")[:, 0], self._run.table("velocity")[:, 0]
+        self._connect()
         n, m = robot.n_joints, len(self._tasks.rows)
         self._base = self._actuation()
         size = n + len(self._base.component)
@@ -352,6 +353,20 @@ class Controller:
                 self._inside_since[t] = time
 
     # -- setting up ------------------------------------------------------------------------------------------
+
+    def _connect(self) -> None:
+        """Look up what a copy cannot take over: the solver, and where the evaluator keeps the state."""
+        self._solve = solver_named(self._solver)
+        self._R, self._place = self._run.table("R"), self._run.table("place")
+        self._q, self._v = self._run.table("q")[:, 0], self._run.table("velocity")[:, 0]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave out what `_connect` looks up; all else goes along, so that a copy goes on as this one would."""
+        return {name: value for name, value in vars(self).items() if name not in _LOOKED_UP}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self._connect()
 
     def _refuse_repeated_names(self) -> None:
         names = [task.name for task in self.tasks]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -55,6 +56,10 @@ class JointLimits:
         if not (self.lower <= self.upper).all():
             j = int(np.argmin(self.lower <= self.upper))
             raise OspaceError(f"position limits of joint number {j} are {self.lower[j]} to {self.upper[j]}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copy by making another: arrays that are pickled as such could be written to."""
+        return type(self), (self.torque, self.lower, self.upper, self.velocity, self.acceleration)
 
     @classmethod
     def of(

@@ -212,8 +212,15 @@ class OperationalSpaceEvaluator:
         return projector
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Copy by making another of its own memory."""
-        return OperationalSpaceEvaluator, (self.robot, self._given.points, self.quantities)
+        """Copy by making another of its own memory, that holds the same numbers."""
+        held = self._known, self._rank, self._state, self.work, self._arrays
+        return OperationalSpaceEvaluator, (self.robot, self._given.points, self.quantities), held
+
+    def __setstate__(self, held: tuple[int, int, State | None, Floats, dict[str, Floats]]) -> None:
+        self._known, self._rank, self._state, work, arrays = held
+        self.work[:] = work
+        for name, array in arrays.items():
+            self._arrays[name][:] = array
 
     # -- what is not the straight way ------------------------------------------------------------------------
 

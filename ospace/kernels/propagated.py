@@ -10,7 +10,7 @@ Passing joint i, with U = I_i^A S_i and β = S_iᵀ U as in (38) and f = K S_i,
     L ← L + f fᵀ/β,   y ← y − f S_iᵀ p_i^A/β,   K ← K − f Uᵀ/β
 
 which are the propagators L_iᵀ of (39), (40) multiplied up. Accelerations are counted from what they are while no joint
-accelerates, so that p_i begins as the force which that takes (18), and the c_i of (42) are in it. Then, outward over
+accelerates, so that p_i begins as the force which that takes (19), and the c_i of (42) are in it. Then, outward over
 the nodes,
 
     G_00 = (I_0^A)⁻¹,   G_nb = K_n G_hb + δ_nb L_n,   a_0 = −(I_0^A)⁻¹ p_0^A,   a_n = K_n a_h + y_n
@@ -124,7 +124,7 @@ def begin(nodes: Nodes, at: Spread, y: Table) -> None:
 
 @inlined
 def load_links(I: Table, v: Table, a: Table, p: Table) -> None:
-    """p_i = I_i a_i + v_i ×̂ I_i v_i: the forces that keep the joints from accelerating (18)."""
+    """p_i = I_i a_i + v_i ×̂ I_i v_i: inertial forces at q̈ = 0 (19)."""
     for i in range(I.shape[0]):
         store6(p, i, body_force(load21(I, i), load6(v, i), load6(a, i)))
 

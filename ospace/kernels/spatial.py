@@ -144,7 +144,7 @@ def cross_force(v: Row, f: Row) -> Row:
 
 @inlined
 def body_force(I: Row, v: Row, a: Row) -> Row:
-    """I a + v ×̂ I v (18): what makes a body of inertia I accelerate as it does."""
+    """I a + v ×̂ I v: the net force on a body of inertia I (19)."""
     return add6(sym6_mul(I, a), cross_force(v, sym6_mul(I, v)))
 
 

@@ -7,6 +7,7 @@ import stat
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from ospace.exceptions import OspaceError
 from ospace.urdf.description import Description, Link, Shape
 from ospace.urdf.findings import Finding, found
 
@@ -14,7 +15,7 @@ MOST = 1000  # files that are looked for
 _STL_HEADER, _STL_FACET = 84, 50  # bytes
 
 
-class MeshError(Exception):
+class MeshError(OspaceError):
     """The mesh cannot be used; `code` is that of the finding."""
 
     def __init__(self, code: str, reason: str) -> None:
