@@ -25,6 +25,9 @@ _NAMED_AXES = {"all": (True,) * 6, "linear": (True,) * 3 + (False,) * 3, "angula
 class OperationalPoint:
     """A point fixed to a link, and the rows of its motion that count; made by `SpaceRobot.point`.
 
+    It belongs to the one robot that made it, and everything that takes a point refuses another robot's. So a copy of
+    the robot takes points of its own: copy or pickle them in one go, as ``pickle.dumps((robot, point))``.
+
     Attributes
     ----------
     robot : SpaceRobot
@@ -94,22 +97,41 @@ class PointSet:
         return [name for point in self.points for name in point.row_names]
 
 
+def check_owner(robot: SpaceRobot, point: OperationalPoint) -> None:
+    """Raise `OspaceError` where `point` is another robot's, or not an `OperationalPoint`.
+
+    A copy of a robot is another robot. Points and states that are copied or pickled in one go with their robot stay
+    with it.
+    """
+    if not isinstance(point, OperationalPoint):
+        raise _not_a_point(point)
+    if point.robot is robot:
+        return
+    if point.robot.name == robot.name:
+        raise OspaceError(
+            f"point '{point.frame}' belongs to another robot, which bears the name '{robot.name}' as well: make it "
+            f"with the point() of this one, or copy and pickle a robot in one go with its points"
+        )
+    raise OspaceError(
+        f"point '{point.frame}' belongs to another robot ('{point.robot.name}'): "
+        f"make it with the point() of the robot whose state is used ('{robot.name}')"
+    )
+
+
+def _not_a_point(given: object) -> OspaceError:
+    return OspaceError(f"{given!r} is not an OperationalPoint: make one with robot.point('frame name')")
+
+
 def point_set(robot: SpaceRobot, points: OperationalPoint | Sequence[OperationalPoint]) -> PointSet:
-    """Gather `points`; raises `OspaceError` if there is none, or one is another robot's or no point at all."""
+    """Gather `points`; raises `OspaceError` where there is none, or one that `check_owner` refuses."""
     try:
         given = (points,) if isinstance(points, OperationalPoint) else tuple(points)
     except TypeError:
-        raise OspaceError(f"{points!r} is no operational point: make one with robot.point('frame name')") from None
+        raise _not_a_point(points) from None
     if not given:
         raise OspaceError("no operational point given: make one with robot.point('frame name')")
     for point in given:
-        if not isinstance(point, OperationalPoint):
-            raise OspaceError(f"{point!r} is no operational point: make one with robot.point('frame name')")
-        if point.robot is not robot:
-            raise OspaceError(
-                f"point '{point.frame}' belongs to another robot ('{point.robot.name}'): "
-                f"make it with the point() of the robot whose state is used ('{robot.name}')"
-            )
+        check_owner(robot, point)
     link = np.array([robot.link_of_joint[point.joint] for point in given])
     paths = [robot.path_to(int(i)) for i in link]
     path = np.zeros((len(given), max(1, *map(len, paths))), dtype=np.int64)

@@ -13,9 +13,9 @@ from ospace.checks import all_finite, checked_vector
 from ospace.exceptions import OspaceError
 from ospace.kernels import frames
 from ospace.kernels.tables import Floats, Tree
+from ospace.points import OperationalPoint, check_owner
 
 if TYPE_CHECKING:
-    from ospace.points import OperationalPoint
     from ospace.robot import SpaceRobot
 
 QUATERNION_TOLERANCE = 1e-6
@@ -75,12 +75,19 @@ class State:
         return q, v
 
     def placement(self, point: OperationalPoint) -> pin.SE3:
-        """Pose T_WE of an operational point in the inertial frame, m."""
+        """Return the pose T_WE of an operational point in the inertial frame, m; `OspaceError` if another robot's."""
         T_BE = self.placement_about_base(point)
         return pin.SE3(T_BE.rotation, T_BE.translation + self.q[:3])
 
     def placement_about_base(self, point: OperationalPoint) -> pin.SE3:
-        """Pose of an operational point, inertial axes, as seen from the base: exact wherever the base is, m."""
+        """Return the pose of an operational point, inertial axes, as seen from the base: exact wherever that is, m.
+
+        Raises
+        ------
+        OspaceError
+            The point is another robot's.
+        """
+        check_owner(self.robot, point)
         here = self.placements[point.joint]
         return pin.SE3(here[:9].reshape(3, 3).T, here[9:]) * point.placement
 

@@ -24,7 +24,7 @@ from ospace.exceptions import OspaceError, closest
 from ospace.kernels import control as kernel
 from ospace.kernels.tables import Floats
 from ospace.kernels.tasks import LOOK_AT, POSTURE, REFERENCE, Actuation, Rows, Tasks
-from ospace.points import OperationalPoint
+from ospace.points import OperationalPoint, check_owner
 from ospace.robot import SpaceRobot
 
 _COMPONENTS = ("force x", "force y", "force z", "torque x", "torque y", "torque z")
@@ -219,7 +219,14 @@ class Controller:
         self._inside_since[t] = np.nan
 
     def pose(self, point: OperationalPoint) -> pin.SE3:
-        """Pose of a point of one of the tasks in the state of the last cycle, inertial axes."""
+        """Return the pose of a point of one of the tasks in the state of the last cycle, inertial axes; m.
+
+        Raises
+        ------
+        OspaceError
+            The point is another robot's or of no task, or there was no cycle yet.
+        """
+        check_owner(self.robot, point)
         if not self._begun:
             raise OspaceError("there is no cycle yet: call update(time, q, v) first")
         for e, known in enumerate(self._points):

@@ -19,7 +19,7 @@ import numpy as np
 import pinocchio as pin
 
 from ospace.kernels.tables import Floats
-from ospace.points import OperationalPoint
+from ospace.points import OperationalPoint, point_set
 from ospace.state import State
 
 
@@ -30,7 +30,7 @@ class Dense:
     """
 
     def __init__(self, state: State, points: Sequence[OperationalPoint]) -> None:
-        self.state, self.points = state, tuple(points)
+        self.state, self.points = state, point_set(state.robot, points).points
         self._model = state.robot.model
         self._q, self._v = state.beside_base()
         self.T = np.eye(state.robot.nv)

@@ -10,6 +10,7 @@ import numpy as np
 
 from ospace.exceptions import OspaceError
 from ospace.kernels.tables import Floats
+from ospace.robot import SpaceRobot
 
 
 class Command(Protocol):
@@ -64,8 +65,17 @@ Law = Callable[[float, Floats, Floats], Any]
 """(time, q, v) to joint torques (n,), or to a `Command`."""
 
 
-def law_of(controller: Controller | Law) -> Law:
-    """Return `controller` as a function; raises `OspaceError` if it is neither a controller nor a function."""
+def law_of(controller: Controller | Law, robot: SpaceRobot) -> Law:
+    """Return `controller` as a function; raises `OspaceError` if it is neither, or made for a robot of other joints.
+
+    Its robot may be another model of the same joints, such as one whose masses are known but roughly.
+    """
+    own = getattr(controller, "robot", robot)
+    if isinstance(own, SpaceRobot) and own.joint_names != robot.joint_names:
+        raise OspaceError(
+            f"the controller is of robot '{own.name}', whose joints are not those of '{robot.name}': "
+            f"make one for this robot, or give a function of (time, q, v)"
+        )
     law = getattr(controller, "update", controller)
     if not callable(law):
         raise OspaceError(f"controller {controller!r}: give an object with update(time, q, v), or a function of these")

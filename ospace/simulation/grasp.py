@@ -18,7 +18,7 @@ import pinocchio as pin
 
 from ospace.dynamics.operational_space import operational_space
 from ospace.kernels.tables import Floats
-from ospace.points import OperationalPoint, point_set
+from ospace.points import OperationalPoint, check_owner
 from ospace.simulation.joined_model import JoinedModel, join
 from ospace.simulation.moving_frame import MovingFrame
 from ospace.state import State
@@ -85,7 +85,8 @@ def grasp(chaser: State, hand: OperationalPoint, target: State, fixture: Operati
     `angle_error`. The combined robot keeps the chaser's base, joints and frames; names of the target that
     clash are prefixed with ``<target>/``.
     """
-    point_set(chaser.robot, hand), point_set(target.robot, fixture)
+    check_owner(chaser.robot, hand)
+    check_owner(target.robot, fixture)
     frame = MovingFrame.of(chaser)
     before_c, before_t = (one.robot.state(*frame.enter(one.q, one.v)) for one in (chaser, target))
     T_hand, T_fixture = before_c.placement(hand), before_t.placement(fixture)

@@ -10,7 +10,7 @@ L is the angular momentum about the origin of the frame in which q stands.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +20,7 @@ from ospace.checks import checked_vector
 from ospace.exceptions import OspaceError
 from ospace.kernels.tables import Floats
 from ospace.kernels.thrust import push_base, push_point
-from ospace.points import OperationalPoint, point_set
+from ospace.points import OperationalPoint, check_owner
 from ospace.robot import SpaceRobot
 from ospace.simulation.actuation import Command
 
@@ -50,10 +50,8 @@ class Plant:
         self.base_wrench, self.wheel_torque = self._base[0], self._base[1, 3:]
         self.impulse_rate = np.zeros(6)
         self._pushed = False
-        functions = {point: _function(point, wrench) for point, wrench in (wrenches or {}).items()}
+        functions = {point: _function(robot, point, wrench) for point, wrench in _pairs(wrenches)}
         self._external = bool(functions)
-        if self._external:
-            point_set(robot, list(functions))
         self._joints = sorted({point.joint for point in functions})
         self._on_joints = np.zeros((len(self._joints), 6))
         self._pushes = [
@@ -164,11 +162,16 @@ class Plant:
         return float(np.linalg.eigvalsh(self.data.Ig.inertia)[-1])
 
 
-def _function(point: OperationalPoint, wrench: Wrench) -> Callable[[float], Floats]:
-    """Return the wrench as a function of time; raises `OspaceError` for what is no wrench."""
-    if not isinstance(point, OperationalPoint):
-        raise OspaceError(f"wrenches has the key {point!r}: give points, made with robot.point('frame name')")
-    what, name = f"wrench at point '{point.frame}'", point.robot.name
+def _pairs(wrenches: Mapping[OperationalPoint, Wrench] | None) -> Iterable[tuple[OperationalPoint, Wrench]]:
+    if wrenches is not None and not isinstance(wrenches, Mapping):
+        raise OspaceError(f"wrenches {wrenches!r}: give a mapping of points to wrenches")
+    return (wrenches or {}).items()
+
+
+def _function(robot: SpaceRobot, point: OperationalPoint, wrench: Wrench) -> Callable[[float], Floats]:
+    """Return the wrench as a function of time; raises `OspaceError` for another robot's point, or what is no wrench."""
+    check_owner(robot, point)
+    what, name = f"wrench at point '{point.frame}'", robot.name
     if not callable(wrench):
         constant = checked_vector(wrench, 6, what, name)
         return lambda time: constant

@@ -109,7 +109,9 @@ def simulate(
     recorder = Recorder(plant, frame, clock.steps // log_every + 2, start, integrator)
     motion = Motion(*state.beside_base(), 0.0, np.zeros(6))
     wheels = checked_vector(wheel_momentum, 3, "wheel_momentum", robot.name)
-    driver = None if controller is None else _Driver(law_of(controller), Sensors(robot, noise), frame, plant, clock)
+    driver = (
+        None if controller is None else _Driver(law_of(controller, robot), Sensors(robot, noise), frame, plant, clock)
+    )
 
     interrupted = False
     k = 0

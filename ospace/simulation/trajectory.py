@@ -99,7 +99,7 @@ class Trajectory:
         OspaceError
             The trajectory does not reach to `time`, or is another robot's.
         """
-        if self.q.shape[1] != robot.nq or self.v.shape[1] != robot.nv:
+        if (self.robot_name, self.q.shape[1], self.v.shape[1]) != (robot.name, robot.nq, robot.nv):
             raise OspaceError(f"the trajectory is of '{self.robot_name}' (nv={self.v.shape[1]}), not of {robot!r}")
         slack = 1e-9 * max(1.0, abs(time))
         if not self.time[0] - slack <= time <= self.time[-1] + slack:

@@ -336,6 +336,9 @@ def _checked(robot: SpaceRobot, motion: Motion) -> Records:
         time, q, v = (np.asarray(one, dtype=np.float64) for one in (motion.time, motion.q, motion.v))
     except (AttributeError, TypeError, ValueError) as error:
         raise OspaceError(f"the motion of '{robot.name}': give an object with arrays time, q and v ({error})") from None
+    named = getattr(motion, "robot_name", robot.name)
+    if named != robot.name:
+        raise OspaceError(f"the motion is that of robot '{named}', not of '{robot.name}'")
     n = time.size
     if time.shape != (n,) or q.shape != (n, robot.nq) or v.shape != (n, robot.nv):
         raise OspaceError(

@@ -345,7 +345,7 @@ def test_state_between_records_of_a_base_in_orbit(robot, start):
         ({"wheel_momentum": (1.0, 2.0)}, "wheel_momentum has shape"),
         ({"noise": Noise(q=-1.0)}, "noise.q -1.0"),
         ({"noise": Noise(v=np.zeros(3))}, "noise.v"),
-        ({"wrenches": {"hand": np.zeros(6)}}, "wrenches has the key 'hand': give points"),
+        ({"wrenches": {"hand": np.zeros(6)}}, "'hand' is not an OperationalPoint"),
     ],
 )
 def test_arguments_that_make_no_sense(robot, start, options, message):
