@@ -154,7 +154,7 @@ def _logged(segment: Segment, run: Run) -> LoggedSegment:
 # -- one file ----------------------------------------------------------------------------------------------------
 
 _ABOUT = "about"
-_FORMAT = "ospace run 1"
+_FORMAT = "ospace run 2"
 
 
 def save(run: Run | Log, path: str | os.PathLike[str]) -> Path:
@@ -298,6 +298,7 @@ _COLUMNS: dict[str, tuple[int, ...]] = {
     "mass_centre": (3,),
     "kinetic_energy": (),
     "work": (),
+    "dissipated": (),
     "impulse": (6,),
     "rotation_drift": (),
 }

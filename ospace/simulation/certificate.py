@@ -4,11 +4,11 @@ Between the start and each record
 
     linear momentum      p − p_0 = ∫ f
     angular momentum     h + h_w − h_0 − h_w,0 = ∫ (moments about the centre of mass of thrusters and external wrenches)
-    work and energy      T − T_0 = W
+    work and energy      T − T_0 = W − D
     rotations            |quaternion| = 1
 
-where nothing of the right side is taken from the left: W and the impulses are integrated beside the state,
-to its accuracy. Errors are relative to scales that do not vanish when the momentum does:
+where nothing of the right side is taken from the left: W, the energy D that friction took and the impulses are
+integrated beside the state, to its accuracy. Errors are relative to scales that do not vanish when the momentum does:
 
     linear momentum      √(2 m T) + |∫ f|           the largest momentum that so much kinetic energy can carry, and what
     angular momentum     √(2 λ T) + |∫ n| + |h_w|   went in; λ the largest inertia of the locked robot at the start
@@ -139,7 +139,7 @@ def balances(run: Trajectory) -> tuple[Balance, ...]:
     wheels = run.wheel_momentum
     angular = h - h[0] + wheels - wheels[0] - moment_about_centre
 
-    energy = run.kinetic_energy - run.kinetic_energy[0] - run.work
+    energy = run.kinetic_energy - run.kinetic_energy[0] - run.work + run.dissipated
     T = run.kinetic_energy.max()
     scales = (
         np.sqrt(2.0 * run.total_mass * T) + _peak(f),

@@ -4,7 +4,7 @@ In the chart q = q_0 ⊕ u of a step, u is a vector with
 
     u̇ = J(u) v,      J(u) = ∂(q ⊖ q_0)/∂q,
 
-so any Runge–Kutta method applies to (u, v, work, impulse); J is LOG of `ospace.simulation.lie`.
+so any Runge–Kutta method applies to (u, v, work, impulse, dissipated energy); J is LOG of `ospace.simulation.lie`.
 The two results of the pair differ by the error of the step, which sets the next one's length.
 """
 
@@ -44,7 +44,7 @@ class DormandPrince:
     def __init__(self, plant: Plant, tolerance: float) -> None:
         self.plant, self.tolerance = plant, tolerance
         self._nv = plant.robot.nv
-        self._K = np.zeros((7, 2 * self._nv + 7))  # rates of u, v, work and impulse
+        self._K = np.zeros((7, 2 * self._nv + 8))  # rates of u, v, work, impulse and dissipated energy
         self._adjoint = Adjoint(plant.model)
         self._last = np.inf
 
@@ -73,7 +73,7 @@ class DormandPrince:
         )
 
     def _try(self, t: float, h: float, motion: Motion) -> tuple[Floats, float]:
-        """Return the change of (u, v, work, impulse) over a step, and its error over what is allowed."""
+        """Return the change of (u, v, work, impulse, dissipated energy) over a step, and its error over what is allowed."""
         plant, K, nv = self.plant, self._K, self._nv
         q, v = motion.q, motion.v
         for i in range(7):
@@ -82,7 +82,7 @@ class DormandPrince:
             here = pin.integrate(plant.model, q, change[:nv])
             K[i, 2 * nv] = plant.accelerate(t + _NODES[i] * h, here, V, K[i, nv : 2 * nv])
             K[i, :nv] = V if i == 0 else series(LOG, self._adjoint.at(change[:nv]), V)
-            K[i, 2 * nv + 1 :] = plant.impulse_rate
+            K[i, 2 * nv + 1 :] = plant.rates
         error = np.abs((h * _ERROR) @ K[:, : 2 * nv])
         allowed = self.tolerance * (1.0 + np.abs(v))
         return change, float(max((error[:nv] / allowed).max(), (error[nv:] / allowed).max()))
@@ -92,4 +92,5 @@ class DormandPrince:
         motion.q = pin.integrate(self.plant.model, motion.q, change[:nv])
         motion.v = motion.v + change[nv : 2 * nv]
         motion.work += float(change[2 * nv])
-        motion.impulse = motion.impulse + change[2 * nv + 1 :]
+        motion.impulse = motion.impulse + change[2 * nv + 1 : -1]
+        motion.dissipated += float(change[-1])

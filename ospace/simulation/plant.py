@@ -1,8 +1,9 @@
 """The robot as integrators see it: (t, q, v) to accelerations, and to the rates of work and of momentum.
 
-    H v̇ + c = τ + Σ J_eᵀ F_e,      τ = [R_WBᵀ F_b; torques]           by `pin.aba`
-    work       Ẇ = τᵀ v + Σ F_eᵀ ẋ_e
-    momentum   ṗ = f_b + Σ f_e,    L̇ = p_b × f_b + n_b + Σ (p_e × f_e + n_e)
+    H v̇ + c = τ + [0; τ_f] + Σ J_eᵀ F_e,      τ = [R_WBᵀ F_b; torques]           by `pin.aba`
+    work        Ẇ = τᵀ v + Σ F_eᵀ ẋ_e
+    friction    Ḋ = −τ_fᵀ φ̇ ≥ 0,       τ_f of `ospace.dynamics.joint_friction`
+    momentum    ṗ = f_b + Σ f_e,    L̇ = p_b × f_b + n_b + Σ (p_e × f_e + n_e)
 
 L is the angular momentum about the origin of the frame in which q stands.
 """
@@ -17,6 +18,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from ospace.checks import checked_vector
+from ospace.dynamics.joint_friction import JointFriction
 from ospace.exceptions import OspaceError
 from ospace.kernels.tables import Floats
 from ospace.kernels.thrust import push_base, push_point
@@ -35,10 +37,10 @@ class Plant:
     ----------
     torque, base_wrench, wheel_torque : (n,), (6,), (3,) arrays
         Held until the next `hold`.
-    acceleration : (nv,) array
-        Overwritten by `accelerate`, as is
-    impulse_rate : (6,) array
-        ṗ and L̇, inertial axes.
+    friction : JointFriction or None
+        Of the joints; None where the model has none.
+    rates : (7,) array
+        ṗ and L̇, inertial axes, which is `impulse_rate`, and Ḋ; overwritten by `accelerate`.
     """
 
     def __init__(self, robot: SpaceRobot, wrenches: Mapping[OperationalPoint, Wrench] | None = None) -> None:
@@ -48,7 +50,11 @@ class Plant:
         self._base = np.zeros((2, 6))
         self._flat = self._base.ravel()
         self.base_wrench, self.wheel_torque = self._base[0], self._base[1, 3:]
-        self.impulse_rate = np.zeros(6)
+        self.rates = np.zeros(7)
+        self.impulse_rate = self.rates[:6]
+        friction = JointFriction.of(robot)
+        self.friction = friction if friction.any else None
+        self._resisted, self._resistance = np.empty(robot.nv), np.empty(robot.n_joints)
         self._pushed = False
         functions = {point: _function(robot, point, wrench) for point, wrench in _pairs(wrenches)}
         self._external = bool(functions)
@@ -109,20 +115,41 @@ class Plant:
                 )
 
     def accelerate(self, time: float, q: Floats, v: Floats, acceleration: Floats) -> float:
-        """Write v̇ (nv,) to `acceleration` and ṗ, L̇ to `impulse_rate`; return the power, W."""
+        """Write v̇ (nv,) to `acceleration` and ṗ, L̇, Ḋ to `rates`; return Ẇ, the power without friction's, W."""
         if self._pushed:
             push_base(q, self._base, self.tau, self.impulse_rate)
+        tau = self.tau if self.friction is None else self._resist(self.friction, v)
         if not self._external:
-            acceleration[:] = pin.aba(self.model, self.data, q, v, self.tau, pin.Convention.LOCAL)
+            acceleration[:] = pin.aba(self.model, self.data, q, v, tau, pin.Convention.LOCAL)
             return float(self.tau @ v)
         self._push_points(time, q)
-        acceleration[:] = pin.aba(self.model, self.data, q, v, self.tau, self._fext, pin.Convention.LOCAL)
+        acceleration[:] = pin.aba(self.model, self.data, q, v, tau, self._fext, pin.Convention.LOCAL)
         moving = self.data.v
         on_points = sum(float(row @ moving[j].vector) for j, row in zip(self._joints, self._on_joints, strict=True))
         return float(self.tau @ v) + on_points
 
+    def _resist(self, friction: JointFriction, v: Floats) -> Floats:
+        """Return τ with friction at velocity `v`; write Ḋ to `rates`."""
+        tau, rate = self._resisted, v[6:]
+        friction.torque(rate, self._resistance)
+        tau[:] = self.tau
+        tau[6:] += self._resistance
+        self.rates[6] = -float(self._resistance @ rate)
+        return tau
+
+    def friction_rate(self, q: Floats) -> float:
+        """Return how fast friction may change joint rates at `q`: the largest eigenvalue of K H⁻¹, K = −∂τ_f/∂φ̇; 1/s.
+
+        K is that at rest, where friction is steepest.
+        """
+        if self.friction is None:
+            return 0.0
+        root = np.sqrt(self.friction.slope(np.zeros(self.robot.n_joints)))
+        upper = pin.computeMinverse(self.model, self.data, q)[6:, 6:]
+        return float(np.linalg.eigvalsh(root[:, None] * upper * root, UPLO="U")[-1])
+
     def generalized_force(self, time: float, q: Floats) -> Floats:
-        """Return τ + Σ J_eᵀ F_e (nv,), base rows in base axes; write ṗ, L̇ to `impulse_rate`."""
+        """Return τ + Σ J_eᵀ F_e (nv,) without friction, base rows in base axes; write ṗ, L̇ to `impulse_rate`."""
         if self._pushed:
             push_base(q, self._base, self.tau, self.impulse_rate)
         if not self._external:

@@ -28,7 +28,7 @@ class Recorder:
         self._torque = np.empty((records, robot.n_joints))
         self._base_wrench, self._momentum, self._impulse = np.empty((3, records, 6))
         self._wheel_torque, self._wheel_momentum, self._mass_centre = np.empty((3, records, 3))
-        self._energy, self._work = np.empty((2, records))
+        self._energy, self._work, self._dissipated = np.empty((3, records))
 
     def take(self, elapsed: float, motion: Motion, wheel_momentum: Floats) -> None:
         """Take down one record, `elapsed` seconds after the start; it counts only when it is whole."""
@@ -39,7 +39,7 @@ class Recorder:
         self._torque[k] = plant.torque
         self._base_wrench[k], self._wheel_torque[k] = plant.base_wrench, plant.wheel_torque
         self._wheel_momentum[k] = wheel_momentum
-        self._work[k], self._impulse[k] = motion.work, motion.impulse
+        self._work[k], self._dissipated[k], self._impulse[k] = motion.work, motion.dissipated, motion.impulse
         self.count = k + 1
 
     def trajectory(self, interrupted: bool = False) -> Trajectory:
@@ -60,6 +60,7 @@ class Recorder:
             mass_centre=self._mass_centre[taken],
             kinetic_energy=self._energy[taken],
             work=self._work[taken],
+            dissipated=self._dissipated[taken],
             impulse=self._impulse[taken],
             rotation_drift=rotation_drift(robot, self._q[taken]),
             frame_velocity=self.frame.velocity,

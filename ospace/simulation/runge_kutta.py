@@ -13,21 +13,29 @@ methods", 2003)
     v⁺ = v + h/6 (A_1 + 2 A_2 + 2 A_3 + A_4)
 
 which is of order 4 for every joint type, needs exponentials alone, and is the classical method where the configuration
-is a vector. Work and impulses are integrated along with the weights of v.
+is a vector. Work, dissipated energy and impulses are integrated along with the weights of v.
+
+The method is stable while h λ < 2.78, λ the rate at which friction acts. A small link that is damped well has more than
+that at any usual step; where h λ is above `_LARGEST_DECAY`, a step is taken in equal parts.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
 
+from ospace.exceptions import OspaceError
 from ospace.kernels.runge_kutta import finish, halfway, to_the_end
 from ospace.kernels.tables import Floats
 from ospace.simulation.plant import Plant
 
 _WEIGHTS = np.array([1.0, 2.0, 2.0, 1.0]) / 6.0
+_LARGEST_DECAY = 1.0
+_MOST_PARTS = 1000
+"""Of a step, beyond which there is no end to a run."""
 
 
 @dataclass
@@ -37,8 +45,8 @@ class Motion:
     Attributes
     ----------
     q, v : (nq,), (nv,) arrays
-    work : float
-        Work of all forces since the start, J.
+    work, dissipated : float
+        Work of all forces but friction since the start, and energy that friction took, J.
     impulse : (6,) array
         ∫ of external forces, and of their moments about the frame's origin, since the start; N s, N m s.
     """
@@ -46,7 +54,13 @@ class Motion:
     q: Floats
     v: Floats
     work: float
+    dissipated: float
     impulse: Floats
+
+    @classmethod
+    def starting(cls, q: Floats, v: Floats) -> Motion:
+        """Return a motion that begins at (q, v)."""
+        return cls(q, v, 0.0, 0.0, np.zeros(6))
 
 
 class RungeKutta4:
@@ -57,29 +71,44 @@ class RungeKutta4:
         self._V, self._A = np.empty((2, 4, plant.robot.nv))
         self._u, self._u_2 = np.empty((2, plant.robot.nv))
         self._stages = list(zip(self._V, self._A, strict=True))
-        self._rates = np.empty((4, 6))
+        self._rates = np.empty((4, 7))
 
     def step(self, t: float, h: float, motion: Motion) -> None:
         """Bring `motion` from time `t` to `t` + `h`, s."""
+        if self.plant.friction is None:
+            self._part(t, h, motion)
+            return
+        decay = h * self.plant.friction_rate(motion.q)
+        parts = max(1, math.ceil(decay / _LARGEST_DECAY))
+        if parts > _MOST_PARTS:
+            raise OspaceError(
+                f"friction of the joints of '{self.plant.robot.name}' brings them to rest within {h / decay:.2g} s, "
+                f"too fast for steps of {h:g} s: take integrator='symplectic', whose steps are stable with any friction, "
+                f"or a step below {h * _MOST_PARTS / parts:.1g} s"
+            )
+        for k in range(parts):
+            self._part(t + k * h / parts, h / parts, motion)
+
+    def _part(self, t: float, h: float, motion: Motion) -> None:
         plant, u = self.plant, self._u
         model, accelerate, q, v = plant.model, plant.accelerate, motion.q, motion.v
         (V_1, A_1), (V_2, A_2), (V_3, A_3), (V_4, A_4) = self._stages
-        watched = not plant.isolated
+        watched = plant.friction is not None or not plant.isolated
 
         V_1[:] = v
         P_1 = accelerate(t, q, V_1, A_1)
         if watched:
-            self._rates[0] = plant.impulse_rate
+            self._rates[0] = plant.rates
         halfway(v, V_1, A_1, 0.5 * h, u, V_2)
         q_2 = pin.integrate(model, q, u)
         P_2 = accelerate(t + 0.5 * h, q_2, V_2, A_2)
         if watched:
-            self._rates[1] = plant.impulse_rate
+            self._rates[1] = plant.rates
         halfway(v, V_2, A_2, 0.5 * h, u, V_3)
         q_3 = pin.integrate(model, q, u)
         P_3 = accelerate(t + 0.5 * h, q_3, V_3, A_3)
         if watched:
-            self._rates[2] = plant.impulse_rate
+            self._rates[2] = plant.rates
         to_the_end(v, self._V, self._A, h, u)
         q_4 = pin.integrate(model, q_2, u)
         P_4 = accelerate(t + h, q_4, V_4, A_4)
@@ -87,7 +116,9 @@ class RungeKutta4:
         v = v.copy()
         finish(v, self._V, self._A, h, u, self._u_2)
         if watched:
-            self._rates[3] = plant.impulse_rate
-            motion.impulse = motion.impulse + (h * _WEIGHTS) @ self._rates
+            self._rates[3] = plant.rates
+            change = (h * _WEIGHTS) @ self._rates
+            motion.impulse = motion.impulse + change[:6]
+            motion.dissipated += float(change[6])
         motion.work += h / 6.0 * (P_1 + 2.0 * (P_2 + P_3) + P_4)
         motion.q, motion.v = pin.integrate(model, pin.integrate(model, q, u), self._u_2), v

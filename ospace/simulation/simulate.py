@@ -99,7 +99,8 @@ def simulate(
     Notes
     -----
     Ctrl-C ends the run; its trajectory is then `interrupted`. Motion is integrated in the frame that moves along with
-    the base's start, so that no digit is lost on an orbit.
+    the base's start, so that no digit is lost on an orbit. Damping and friction of the robot's model act at the joints
+    (`ospace.dynamics.joint_friction`).
     """
     clock = _Clock.of(duration, step, period, delay, log_every, start)
     state = robot.state(q, v)
@@ -107,7 +108,7 @@ def simulate(
     plant = Plant(robot, wrenches)
     stepper = integrator_of(plant, integrator, tolerance)
     recorder = Recorder(plant, frame, clock.steps // log_every + 2, start, integrator)
-    motion = Motion(*state.beside_base(), 0.0, np.zeros(6))
+    motion = Motion.starting(*state.beside_base())
     wheels = checked_vector(wheel_momentum, 3, "wheel_momentum", robot.name)
     driver = (
         None if controller is None else _Driver(law_of(controller, robot), Sensors(robot, noise), frame, plant, clock)

@@ -39,8 +39,9 @@ class Trajectory:
         Linear (kg m/s), and angular about the centre of mass (kg m²/s), wheels not included.
     mass_centre : (N, 3)
         Seen from the moving frame, m.
-    kinetic_energy, work : (N,)
-        Energy of links and drives, and work of all forces since the start; J.
+    kinetic_energy, work, dissipated : (N,)
+        Energy of links and drives; work of all forces but friction since the start; energy that damping and friction
+        of the joints took since then; J.
     impulse : (N, 6)
         ∫ of thrusters and external wrenches since the start, moments about the moving frame's origin; N s, N m s.
     rotation_drift : (N,)
@@ -67,6 +68,7 @@ class Trajectory:
     mass_centre: Floats
     kinetic_energy: Floats
     work: Floats
+    dissipated: Floats
     impulse: Floats
     rotation_drift: Floats
     frame_velocity: Floats
@@ -159,4 +161,5 @@ _COLUMNS = {
     "momentum": " [kg m/s or kg m^2/s]",
     "kinetic_energy": " [J]",
     "work": " [J]",
+    "dissipated": " [J]",
 }

@@ -8,7 +8,9 @@ and variational integrators", 2001),
     p   = Lᵀ w − h E_qᵀ g,    p⁺ = Rᵀ w
 
 where E_q, E_v are the derivatives of q ⊕ ½hξ in q and in its increment, L = −∂(q⁺ ⊖ q)/∂q and R = ∂(q⁺ ⊖ q)/∂q⁺. The
-forces of the step act as half an impulse at either end. The equation for p is solved for ξ; velocities are v = H⁻¹ p.
+forces of the step act as half an impulse at either end; that of friction is taken at the mean velocity ξ, so that it
+takes energy in every step, and the rule is stable however steep friction is. The equation for p is solved for ξ;
+velocities are v = H⁻¹ p.
 
 The action does not change when all of space is moved or turned, so the momenta, linear and angular, are kept to
 rounding whatever the joint torques (Noether); the energy swings within O(h²) and does not drift. Order 2.
@@ -19,6 +21,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
+from ospace.dynamics.joint_friction import JointFriction
 from ospace.exceptions import OspaceError
 from ospace.kernels.tables import Floats
 from ospace.simulation.lie import EXP, LOG, LOG_BACK, TRANSPORT, Adjoint, series, terms_of
@@ -28,6 +31,7 @@ from ospace.simulation.runge_kutta import Motion
 _AXES_TURN = ("JointModelSphericalZYX", "JointModelUniversal", "JointModelComposite")
 _NO_VECTOR = ("JointModelFreeFlyer", "JointModelPlanar", "JointModelSpherical")
 _ITERATIONS = 30
+_NEWTON_STEPS = 30
 _CLOSE = 1e-15
 _STALLED = 1e-12
 _NO_SPEED = 1e-300
@@ -48,19 +52,21 @@ class VariationalMidpoint:
     def step(self, t: float, h: float, motion: Motion) -> None:
         """Bring `motion` from time `t` to `t` + `h`, s."""
         plant, model = self.plant, self.plant.model
-        q = motion.q
+        q, friction = motion.q, plant.friction
         before = 0.5 * h * plant.generalized_force(t, q)
         impulse = 0.5 * h * plant.impulse_rate
         p = self._inertia(q) @ motion.v + before
 
         xi, last = motion.v + self._lead, np.inf
         terms = terms_of(h * xi)
-        H_inv = np.linalg.inv(self._inertia(pin.integrate(model, q, 0.5 * h * xi)))
+        H = self._inertia(pin.integrate(model, q, 0.5 * h * xi))
+        H_inv = np.linalg.inv(H)
         for _ in range(_ITERATIONS):
             w, g, A_T = self._at_midpoint(q, xi, h, terms)
-            # p = Lᵀ w − h E_qᵀ g, solved for ξ with ∂p/∂ξ ≈ H
-            correction = H_inv @ (p - series(LOG_BACK, A_T, w, terms) + h * series(TRANSPORT, 0.5 * A_T, g, terms))
-            xi += correction
+            # p + ½h τ_f = Lᵀ w − h E_qᵀ g, solved for ξ with ∂p/∂ξ ≈ H
+            off = p - series(LOG_BACK, A_T, w, terms) + h * series(TRANSPORT, 0.5 * A_T, g, terms)
+            correction = H_inv @ off if friction is None else _resisted(friction, H, H @ xi + off, xi, h) - xi
+            xi = xi + correction
             size = float(np.abs(correction).max()) / max(_NO_SPEED, float(np.abs(xi).max()))
             if size <= _CLOSE or _STALLED >= size >= 0.5 * last:
                 break
@@ -72,7 +78,12 @@ class VariationalMidpoint:
         self._lead = xi - motion.v
         motion.q = pin.integrate(model, q, h * xi)
         after = 0.5 * h * plant.generalized_force(t + h, motion.q)
-        motion.v = np.asarray(np.linalg.solve(self._inertia(motion.q), series(LOG, A_T, w, terms) + after))
+        p = series(LOG, A_T, w, terms) + after
+        if friction is not None:
+            resistance = friction.torque(xi[6:])
+            p[6:] += 0.5 * h * resistance
+            motion.dissipated -= h * float(resistance @ xi[6:])
+        motion.v = np.asarray(np.linalg.solve(self._inertia(motion.q), p))
         motion.work += float((before + after) @ xi)
         if not plant.isolated:
             motion.impulse = motion.impulse + impulse + 0.5 * h * plant.impulse_rate
@@ -91,6 +102,34 @@ class VariationalMidpoint:
         upper = pin.crba(self.plant.model, self.plant.data, q)
         H: Floats = np.triu(upper) + np.triu(upper, 1).T
         return H
+
+
+def _resisted(friction: JointFriction, H: Floats, b: Floats, xi: Floats, h: float) -> Floats:
+    """Solve H ξ − ½h τ_f(ξ) = b, from `xi` on.
+
+    That is the minimum of a convex function. Newton's steps from where friction is flat lead far past where it is steep:
+    they are halved until the function falls along them no less steeply than half as it rose.
+    """
+    joints = np.arange(6, len(xi))
+
+    def missing(xi: Floats) -> Floats:
+        rest: Floats = b - H @ xi
+        rest[6:] += 0.5 * h * friction.torque(xi[6:])
+        return rest
+
+    rest = missing(xi)
+    for _ in range(_NEWTON_STEPS):
+        steep = H.copy()
+        steep[joints, joints] += 0.5 * h * friction.slope(xi[6:])
+        way = np.linalg.solve(steep, rest)
+        fall, share = float(rest @ way), 1.0
+        while -float(missing(xi + share * way) @ way) > 0.5 * fall:
+            share *= 0.5
+        xi = xi + share * way
+        rest = missing(xi)
+        if float(np.abs(way).max()) <= _CLOSE * max(_NO_SPEED, float(np.abs(xi).max())):
+            break
+    return xi
 
 
 def _refuse(model: pin.Model, j: int) -> None:
