@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Literal
@@ -226,11 +227,16 @@ def _exceeded(segment: Segment, plan: LimitsPlan, actuated: SpaceRobot) -> dict[
 
 
 def worst(certificates: list[Certificate]) -> Certificate:
-    """Return for each quantity the one that is the worst for its limit."""
+    """Return for each quantity the one that is the worst for its limit; what cannot be computed is the worst of all."""
     by_name: dict[str, Conserved] = {}
     for certificate in certificates:
         for one in certificate.quantities:
             known = by_name.get(one.name)
-            if known is None or not one.error / one.limit <= known.error / known.limit:
+            if known is None or _badness(one) > _badness(known):
                 by_name[one.name] = one
     return Certificate(tuple(by_name.values()))
+
+
+def _badness(one: Conserved) -> float:
+    badness = one.error / one.limit
+    return badness if math.isfinite(badness + one.scale) else math.inf

@@ -21,6 +21,7 @@ from ospace.scenario.recording import Recording
 from ospace.scenario.references import Start
 from ospace.scenario.result import Contact, Outcome, PhaseResult, Run, Segment, worst
 from ospace.simulation import Certificate, Conserved, Grasp, Trajectory, grasp, simulate
+from ospace.simulation.certificate import relative
 from ospace.simulation.moving_frame import MovingFrame
 from ospace.state import State
 
@@ -328,16 +329,12 @@ def conserved_in_grasp(chaser: State, target: State, held: Grasp, time: float) -
     energy = parts[0][1] + parts[1][1]
     mass = held.state.robot.total_mass
     scale = math.sqrt(2.0 * mass * energy)
-    error = np.abs(whole[0] - before)
-    lost = abs(energy - whole[1] - held.energy_lost)
+    error = relative(np.abs(whole[0] - before), scale).max()
+    (lost,) = relative(np.abs([energy - whole[1] - held.energy_lost]), energy)
     return [
-        Conserved("grasp momentum", _relative(float(error.max()), scale), _GRASP_LIMIT, scale, "kg m/s", time),
-        Conserved("grasp energy", _relative(lost, energy), _GRASP_LIMIT, energy, "J", time),
+        Conserved("grasp momentum", float(error), _GRASP_LIMIT, scale, "kg m/s", time),
+        Conserved("grasp energy", float(lost), _GRASP_LIMIT, energy, "J", time),
     ]
-
-
-def _relative(error: float, scale: float) -> float:
-    return error / scale if error else 0.0
 
 
 def _momentum(q: Floats, v: Floats, robot: SpaceRobot) -> tuple[Floats, float]:

@@ -19,6 +19,7 @@ each term at its peak over the run, T the kinetic energy in the frame that moves
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -62,11 +63,13 @@ class Conserved:
 
     @property
     def passed(self) -> bool:
-        """Whether the error is within the limit."""
-        return self.error <= self.limit
+        """Whether the error is within the limit, of a scale that is a number."""
+        return self.error <= self.limit and math.isfinite(self.scale)
 
     def __str__(self) -> str:
         verdict = "pass" if self.passed else f"FAIL (worst at {self.time:.6g} s)"
+        if not math.isfinite(self.error + self.scale):
+            verdict = f"FAIL (not computable at {self.time:.6g} s)"
         scale = f"{self.scale:10.4g} {self.unit:<7}"
         return f"{self.name:<17} {self.error:9.2e}  limit {self.limit:.0e}  of {scale}  {verdict}"
 
@@ -129,6 +132,11 @@ def certify(run: Trajectory) -> Certificate:
 
 def balances(run: Trajectory) -> tuple[Balance, ...]:
     """Return what the certificate is made of, record by record."""
+    with np.errstate(invalid="ignore", over="ignore"):  # what that leaves is not computable, and fails
+        return _balances(run)
+
+
+def _balances(run: Trajectory) -> tuple[Balance, ...]:
     f, moment = run.impulse[:, :3], run.impulse[:, 3:]
     p, h = run.momentum[:, :3], run.momentum[:, 3:]
     linear = p - p[0] - f
@@ -151,7 +159,7 @@ def balances(run: Trajectory) -> tuple[Balance, ...]:
     units = ("kg m/s", "kg m²/s", "J", "")
     errors = (_lengths(linear), _lengths(angular), np.abs(energy), run.rotation_drift)
     return tuple(
-        Balance(name, _over(error, float(scale)), limit, float(scale), unit)
+        Balance(name, relative(error, float(scale)), limit, float(scale), unit)
         for (name, limit), error, scale, unit in zip(limits.items(), errors, scales, units, strict=True)
     )
 
@@ -164,7 +172,9 @@ def _peak(vectors: Floats) -> float:
     return float(_lengths(vectors).max())
 
 
-def _over(errors: Floats, scale: float) -> Floats:
-    """Return errors over their scale; no error is none of a scale of zero either."""
+def relative(errors: Floats, scale: float) -> Floats:
+    """Return errors over their scale; no error is none of a scale of zero either, and NaN of one that is not finite."""
+    if not math.isfinite(scale):
+        return np.full_like(errors, math.nan)
     with np.errstate(divide="ignore"):
         return np.divide(errors, scale, out=np.zeros_like(errors), where=errors != 0.0)

@@ -73,7 +73,7 @@ class DormandPrince:
         )
 
     def _try(self, t: float, h: float, motion: Motion) -> tuple[Floats, float]:
-        """Return the change of (u, v, work, impulse, dissipated energy) over a step, and its error over what is allowed."""
+        """Return how (u, v, work, impulse, dissipated energy) change in a step, and the error over what is allowed."""
         plant, K, nv = self.plant, self._K, self._nv
         q, v = motion.q, motion.v
         for i in range(7):

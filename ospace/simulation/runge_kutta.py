@@ -15,14 +15,15 @@ methods", 2003)
 which is of order 4 for every joint type, needs exponentials alone, and is the classical method where the configuration
 is a vector. Work, dissipated energy and impulses are integrated along with the weights of v.
 
-The method is stable while h λ < 2.78, λ the rate at which friction acts. A small link that is damped well has more than
-that at any usual step; where h λ is above `_LARGEST_DECAY`, a step is taken in equal parts.
+The method is stable while h λ < 2.78, λ the rate at which friction acts: a small link that is damped well has more than
+that at any usual step. With friction, steps are therefore taken in equal parts: as many as stability needs, and more
+until the step keeps the balance of energy, which it does not where friction stops a joint within a part.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
@@ -33,9 +34,13 @@ from ospace.kernels.tables import Floats
 from ospace.simulation.plant import Plant
 
 _WEIGHTS = np.array([1.0, 2.0, 2.0, 1.0]) / 6.0
-_LARGEST_DECAY = 1.0
+_LARGEST_DECAY = 2.0
+_LARGEST_LOSS = 1e-11
+"""Of energy in a step, relative to what there is of it."""
 _MOST_PARTS = 1000
-"""Of a step, beyond which there is no end to a run."""
+"""Of a step, beyond which a run would not end."""
+_MOST_DOUBLINGS = 5
+"""What is still missing after them is for the certificate to tell."""
 
 
 @dataclass
@@ -78,16 +83,28 @@ class RungeKutta4:
         if self.plant.friction is None:
             self._part(t, h, motion)
             return
-        decay = h * self.plant.friction_rate(motion.q)
-        parts = max(1, math.ceil(decay / _LARGEST_DECAY))
+        parts = max(1, math.ceil(h * self.plant.friction_rate(motion.q) / _LARGEST_DECAY))
         if parts > _MOST_PARTS:
             raise OspaceError(
-                f"friction of the joints of '{self.plant.robot.name}' brings them to rest within {h / decay:.2g} s, "
-                f"too fast for steps of {h:g} s: take integrator='symplectic', whose steps are stable with any friction, "
-                f"or a step below {h * _MOST_PARTS / parts:.1g} s"
+                f"friction of the joints of '{self.plant.robot.name}' is too steep for steps of {h:g} s: take steps "
+                f"below {h * _MOST_PARTS / parts:.1g} s, or integrator='symplectic', which is stable with any friction"
             )
-        for k in range(parts):
-            self._part(t + k * h / parts, h / parts, motion)
+        for _ in range(_MOST_DOUBLINGS):
+            trial = replace(motion)
+            for k in range(parts):
+                self._part(t + k * h / parts, h / parts, trial)
+            if self._kept(motion, trial):
+                break
+            parts *= 2
+        motion.q, motion.v, motion.impulse = trial.q, trial.v, trial.impulse
+        motion.work, motion.dissipated = trial.work, trial.dissipated
+
+    def _kept(self, before: Motion, after: Motion) -> bool:
+        """Whether a step kept the balance of energy; also where that is no longer finite, which is told elsewhere."""
+        energies = [self.plant.momentum(one.q, one.v)[2] for one in (before, after)]
+        work = after.work - before.work
+        off = energies[1] - energies[0] - work + after.dissipated - before.dissipated
+        return not abs(off) > _LARGEST_LOSS * (energies[0] + abs(work))
 
     def _part(self, t: float, h: float, motion: Motion) -> None:
         plant, u = self.plant, self._u

@@ -107,8 +107,8 @@ class VariationalMidpoint:
 def _resisted(friction: JointFriction, H: Floats, b: Floats, xi: Floats, h: float) -> Floats:
     """Solve H ξ − ½h τ_f(ξ) = b, from `xi` on.
 
-    That is the minimum of a convex function. Newton's steps from where friction is flat lead far past where it is steep:
-    they are halved until the function falls along them no less steeply than half as it rose.
+    The solution is the minimum of a convex function. From where friction is flat, Newton's steps lead far past where it
+    is steep: they are halved until the function rises at their end no more than half as steeply as it fell.
     """
     joints = np.arange(6, len(xi))
 

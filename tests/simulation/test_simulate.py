@@ -1,5 +1,6 @@
 """Commands, wrenches, wheels, noise, delay; what a run keeps, and what it refuses."""
 
+import dataclasses
 import re
 from pathlib import Path
 
@@ -374,3 +375,32 @@ def test_wrenches_that_make_no_sense(robot, start):
 def test_controllers_that_make_no_sense(robot, start, controller, message):
     with pytest.raises(OspaceError, match=message):
         run(robot, start, controller)
+
+
+# -- a certificate that cannot be computed -------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def certified(robot, start):
+    return simulate(robot, *start, duration=0.01)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+@pytest.mark.parametrize("field", ["work", "kinetic_energy", "momentum", "impulse", "wheel_momentum", "dissipated"])
+def test_a_line_that_cannot_be_computed_fails(certified, field, value):
+    """In the last record alone: no line passes that the number enters, least of all by a scale without bound."""
+    spoilt = getattr(certified, field).copy()
+    spoilt[-1] = value
+    certificate = dataclasses.replace(certified, **{field: spoilt}).certificate()
+    assert not certificate.passed
+    assert "FAIL (not computable at" in str(certificate)
+
+
+@pytest.mark.parametrize("scale", ["total_mass", "largest_inertia"])
+def test_a_scale_without_bound_fails(certified, scale):
+    name = {"total_mass": "linear momentum", "largest_inertia": "angular momentum"}[scale]
+    for value in (np.inf, np.nan):
+        certificate = dataclasses.replace(certified, **{scale: value}).certificate()
+        assert not certificate[name].passed
+        assert certificate["work and energy"].passed
+    assert certified.certificate().passed
