@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
+from numbers import Real
+
 import numpy as np
 import numpy.typing as npt
 
@@ -9,14 +13,55 @@ from ospace.exceptions import OspaceError
 from ospace.kernels.tables import Floats
 
 
-def checked_vector(given: npt.ArrayLike, size: int, name: str, robot: str) -> Floats:
+def real_numbers(given: object) -> Floats:
+    """Return `given` as an array of float64, itself if it is one; raise `TypeError` or `ValueError` for anything else.
+
+    NumPy by itself drops imaginary parts, reads text, and takes None for NaN and True for 1.
+    """
+    array = np.asarray(given)
+    if array.dtype == np.float64:
+        return array
+    if array.dtype.kind == "O":
+        if not all(isinstance(one, Real) for one in array.flat):
+            raise TypeError("not all are real numbers")
+    elif array.dtype.kind not in "iuf":
+        raise TypeError(f"{array.dtype} is not a type of real numbers")
+    try:
+        return array.astype(np.float64)
+    except OverflowError as error:
+        raise ValueError(str(error)) from None
+
+
+def checked_number(given: object, name: str) -> float:
+    """Return `given` as a float; raises `OspaceError` unless it is one finite real number."""
+    try:
+        number = real_numbers(given)
+    except (TypeError, ValueError):
+        number = np.empty(0)
+    if number.shape != () or not math.isfinite(number):
+        raise OspaceError(f"{name} is {given!r}: give a finite number")
+    return float(number)
+
+
+def checked_names(given: object, known: Iterable[str], what: str) -> tuple[str, ...]:
+    """Return one name or several as a tuple; raises `OspaceError` for one that is not among the `known`."""
+    known = tuple(known)
+    names = (given,) if isinstance(given, str) else tuple(given) if isinstance(given, Iterable) else (given,)
+    for name in names:
+        if name not in known:
+            raise OspaceError(f"{what} {name!r} is unknown: give some of {', '.join(known)}")
+    return names
+
+
+def checked_vector(given: npt.ArrayLike, size: int, name: str, robot: str | None = None) -> Floats:
     """Return a copy of `given` as (size,) float64; raises `OspaceError` for another shape or numbers not finite."""
     try:
-        vector = np.array(given, dtype=np.float64)
+        vector = np.array(real_numbers(given))
     except (TypeError, ValueError):
-        raise OspaceError(f"{name} is no array of numbers: {given!r}") from None
+        raise OspaceError(f"{name} is not an array of real numbers: {given!r}") from None
     if vector.shape != (size,):
-        raise OspaceError(f"{name} has shape {vector.shape}; robot '{robot}' needs ({size},)")
+        needed = "it takes" if robot is None else f"robot '{robot}' needs"
+        raise OspaceError(f"{name} has shape {vector.shape}; {needed} ({size},)")
     wrong = np.flatnonzero(~np.isfinite(vector))
     if wrong.size:
         raise OspaceError(f"{name}[{wrong[0]}] is {vector[wrong[0]]}: all numbers must be finite")

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from ospace.checks import real_numbers
 from ospace.exceptions import OspaceError
 from ospace.kernels.tables import Floats
 
@@ -41,7 +42,7 @@ def to_q(joint: pin.JointModel, name: str, value: Position) -> Floats:
         if isinstance(value, pin.SE3):
             raise OspaceError(f"joint '{name}' takes {wanted} number(s), not a pose")
         try:
-            numbers = np.atleast_1d(np.asarray(value, dtype=float))
+            numbers = np.atleast_1d(real_numbers(value))
         except (TypeError, ValueError):
             numbers = np.empty(0)
         if numbers.shape != (wanted,):

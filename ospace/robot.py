@@ -103,6 +103,8 @@ class SpaceRobot:
         -----
         Fixed joints are merged. Each code of a finding is explained in ``docs/findings.md``.
         """
+        if not isinstance(path, str | PathLike):
+            raise OspaceError(f"path {path!r}: give the path of a URDF")
         file, folders = Path(path), [Path(folder) for folder in package_dirs]
         reading = reader.read(file, package_dirs=folders, limits=limits, free_mimic=free_mimic)
         if reading.model is None:
@@ -361,6 +363,8 @@ class SpaceRobot:
 
 
 def _check_floating_base(model: pin.Model) -> None:
+    if not isinstance(model, pin.Model):
+        raise OspaceError(f"model {model!r}: give a pin.Model")
     roots = [j for j in range(1, model.njoints) if model.parents[j] == 0]
     if roots != [1] or model.joints[1].shortname() != "JointModelFreeFlyer":
         raise OspaceError(

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 
+from ospace.checks import real_numbers
 from ospace.exceptions import OspaceError, closest
 from ospace.kernels.tables import Floats
 
@@ -42,7 +44,7 @@ class Base:
                 limits = np.empty(0)
             if limits.shape != (3,) or not (limits >= 0.0).all():
                 raise OspaceError(f"base {name} {getattr(self, name)!r}: give one or three numbers from 0 on, or None")
-        if not self.wheel_momentum > 0.0:
+        if not (isinstance(self.wheel_momentum, Real) and self.wheel_momentum > 0.0):
             raise OspaceError(f"wheel_momentum is {self.wheel_momentum!r}: give a number above 0, N m s")
 
     @property
@@ -52,7 +54,7 @@ class Base:
 
 
 def _three(amount: Amount) -> Floats:
-    given = np.asarray(0.0 if amount is None else amount, dtype=np.float64)
+    given = real_numbers(0.0 if amount is None else amount)
     return np.full(3, float(given)) if given.ndim == 0 else given
 
 

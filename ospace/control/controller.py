@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Mapping, Sequence
+from math import isfinite
+from numbers import Real
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
-from ospace.checks import checked_vector
+from ospace.checks import checked_number, checked_vector
 from ospace.control.base import Base, parse_base
 from ospace.control.command import Command, Layout, Status, Timing
 from ospace.control.limits import JointLimits, bounded
@@ -172,8 +174,8 @@ class Controller:
             contradict each other are no error: `Command.status` tells.
         """
         start = clock.perf_counter()
-        if not np.isfinite(time):
-            raise OspaceError(f"time is {time!r}: give a finite one, s")
+        if type(time) is not float or not isfinite(time):
+            time = checked_number(time, "time")
         run = self._run.update(q, v)
         if not self._begun:
             self._begin()
@@ -461,6 +463,6 @@ class Controller:
 
 
 def _above_zero(name: str, value: float) -> float:
-    if not (isinstance(value, int | float) and 0.0 < value < np.inf):
+    if not (isinstance(value, Real) and 0.0 < value < np.inf):
         raise OspaceError(f"{name} is {value!r}: give a finite number above 0")
     return float(value)

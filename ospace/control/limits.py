@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ospace.checks import checked_number, real_numbers
 from ospace.exceptions import OspaceError, closest
 from ospace.kernels.control import UNLIMITED
 from ospace.kernels.tables import Floats
@@ -41,7 +42,7 @@ class JointLimits:
     def __post_init__(self) -> None:
         for name in ("torque", "lower", "upper", "velocity", "acceleration"):
             try:
-                values = np.array(getattr(self, name), dtype=np.float64)
+                values = np.array(real_numbers(getattr(self, name)))
             except (TypeError, ValueError):
                 values = np.empty((0, 0))
             if values.ndim != 1 or values.shape != np.shape(self.torque) or np.isnan(values).any():
@@ -87,9 +88,10 @@ class JointLimits:
             for name, value in acceleration.items():
                 if name not in robot.joint_names:
                     raise OspaceError(f"acceleration limit: no joint '{name}'{closest(name, robot.joint_names)}")
-                most[robot.joint_names.index(name)] = value
+                most[robot.joint_names.index(name)] = _bound(value, f"acceleration limit of joint '{name}'")
         else:
-            most[:] = acceleration
+            most[:] = _bound(acceleration, "acceleration limit")
+        share = checked_number(share, "share of the limits")
         lower, upper = np.full(n, -math.inf), np.full(n, math.inf)
         for j in range(2, model.njoints):
             if model.nqs[j] == model.nvs[j] == 1:
@@ -97,6 +99,11 @@ class JointLimits:
                 upper[model.idx_vs[j] - 6] = model.upperPositionLimit[model.idx_qs[j]]
         torque, velocity = (_positive(given[6:]) * share for given in (model.effortLimit, model.velocityLimit))
         return cls(torque, _open(lower), _open(upper), velocity, most)
+
+
+def _bound(given: object, name: str) -> float:
+    """Return a limit, which may be infinite."""
+    return math.inf if given == math.inf else checked_number(given, name)
 
 
 def _positive(given: npt.ArrayLike) -> Floats:

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from ospace.checks import checked_number, checked_vector
 from ospace.exceptions import OspaceError
 from ospace.kernels import tasks as kernel
 from ospace.kernels.tables import Floats
@@ -33,8 +34,7 @@ class Constant:
 
     def __post_init__(self) -> None:
         _checked_pose(self.pose)
-        if np.shape(self.velocity) != (6,):
-            raise OspaceError(f"velocity {self.velocity!r}: give six numbers")
+        checked_vector(self.velocity, 6, "velocity of a reference")
 
     def write(self, row: Floats, time: float) -> None:
         """Write the reference to a row of the kernel's table."""
@@ -62,7 +62,8 @@ class MinimumJerk:
     def __post_init__(self) -> None:
         _checked_pose(self.origin)
         _checked_pose(self.goal)
-        if not (np.isfinite(self.start) and 0.0 < self.duration < np.inf):
+        checked_number(self.start, "start of a motion")
+        if not checked_number(self.duration, "duration of a motion") > 0.0:
             raise OspaceError(
                 f"motion from {self.start} s in {self.duration} s: give a finite start, a duration above 0"
             )
@@ -92,7 +93,8 @@ class Function:
         """Write the reference at `time` to a row of the kernel's table."""
         pose, velocity, acceleration = self.motion(time)
         _write_pose(row, pose)
-        row[kernel.VELOCITY : kernel.VELOCITY + 6] = velocity
+        row[kernel.VELOCITY : kernel.VELOCITY + 6] = checked_vector(velocity, 6, f"velocity of a reference at {time} s")
+        acceleration = checked_vector(acceleration, 6, f"acceleration of a reference at {time} s")
         row[kernel.ACCELERATION : kernel.ACCELERATION + 6] = acceleration
         if not np.isfinite(row).all():
             raise OspaceError(f"a reference is not finite at {time} s")

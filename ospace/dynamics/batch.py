@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from ospace.checks import checked_names, real_numbers
 from ospace.dynamics.evaluator import BITS, OperationalSpaceEvaluator
 from ospace.exceptions import OspaceError
 from ospace.kernels import evaluation, many, memory, simd
@@ -116,12 +117,10 @@ def operational_space_batch(
     single states.
     """
     given = point_set(robot, points)
-    quantities = (quantities,) if isinstance(quantities, str) else tuple(quantities)
+    quantities = checked_names(quantities, QUANTITIES, "quantity")
     if out is not None and not isinstance(out, Mapping):
         raise OspaceError("out must be a mapping of quantities to arrays")
-    for name in (*quantities, *(out or {})):
-        if name not in QUANTITIES:
-            raise OspaceError(f"quantity '{name}' is unknown: give some of {', '.join(QUANTITIES)}")
+    for name in checked_names(out or (), QUANTITIES, "quantity"):
         if name not in quantities:
             raise OspaceError(f"out has '{name}', which is not among the quantities asked for")
     Q = _states(Q, robot.nq, "Q", robot.name)
@@ -136,12 +135,9 @@ def operational_space_batch(
 
 def _states(given: npt.ArrayLike, columns: int, name: str, robot: str) -> Floats:
     try:
-        states = np.asarray(given)
-        if np.iscomplexobj(states):
-            raise TypeError
-        states = states.astype(np.float64, copy=False)
+        states = real_numbers(given)
     except (TypeError, ValueError):
-        raise OspaceError(f"{name} is no array of numbers") from None
+        raise OspaceError(f"{name} is not an array of real numbers") from None
     if states.ndim != 2 or states.shape[1] != columns:
         raise OspaceError(f"{name} has shape {states.shape}; robot '{robot}' needs (N, {columns})")
     return states

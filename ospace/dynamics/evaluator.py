@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ospace.checks import checked_vector, not_finite
+from ospace.checks import checked_names, checked_vector, not_finite
 from ospace.dynamics.generalized_jacobian import generalized_jacobian
 from ospace.dynamics.joint_space import generalized_dynamics, momentum
 from ospace.dynamics.operational_space import operational_space
@@ -120,11 +120,9 @@ class OperationalSpaceEvaluator:
         quantities: Sequence[str] = ("inertia_inverse", "inertia", "bias_acceleration", "bias_force"),
     ) -> None:
         self.robot = robot
-        self.quantities = (quantities,) if isinstance(quantities, str) else tuple(quantities)
+        self.quantities = checked_names(quantities, QUANTITIES, "quantity")
         self._want = _A_STATE
         for name in self.quantities:
-            if name not in BITS:
-                raise OspaceError(f"quantity '{name}' is unknown: give some of {', '.join(QUANTITIES)}")
             self._want |= BITS[name]
         self._given = point_set(robot, points)
         self._known = 0

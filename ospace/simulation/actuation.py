@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from ospace.checks import real_numbers
 from ospace.exceptions import OspaceError
 from ospace.kernels.tables import Floats
 from ospace.robot import SpaceRobot
@@ -87,7 +88,7 @@ def as_command(given: Any, time: float) -> Command:
     if hasattr(given, "torque") and hasattr(given, "base_wrench") and hasattr(given, "wheel_torque"):
         return given  # type: ignore[no-any-return]
     try:
-        return Actuation(np.asarray(given, dtype=np.float64))
+        return Actuation(real_numbers(given))
     except (TypeError, ValueError):
         raise OspaceError(
             f"the controller gave {given!r} at {time:.6g} s: give joint torques (n,), or a command with torque, "

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from ospace.checks import real_numbers
 from ospace.exceptions import OspaceError
 from ospace.kernels.tables import Floats
 from ospace.robot import SpaceRobot
@@ -52,7 +53,7 @@ class Sensors:
 
 def _deviation(given: npt.ArrayLike, name: str, robot: SpaceRobot) -> Floats:
     try:
-        deviation = np.broadcast_to(np.asarray(given, dtype=np.float64), (robot.nv,))
+        deviation = np.broadcast_to(real_numbers(given), (robot.nv,))
     except (TypeError, ValueError):
         raise OspaceError(f"noise.{name} {given!r}: give one number, or {robot.nv} for robot '{robot.name}'") from None
     if not (np.isfinite(deviation) & (deviation >= 0.0)).all():

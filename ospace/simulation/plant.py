@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
-from ospace.checks import checked_vector
+from ospace.checks import checked_vector, real_numbers
 from ospace.dynamics.joint_friction import JointFriction
 from ospace.exceptions import OspaceError
 from ospace.kernels.tables import Floats
@@ -90,12 +90,17 @@ class Plant:
             ("base_wrench", self.base_wrench, command.base_wrench),
             ("wheel_torque", self.wheel_torque, command.wheel_torque),
         ):
-            if np.shape(given) != held.shape:
+            try:
+                numbers = real_numbers(given)
+            except (TypeError, ValueError):
+                what = f"{name} of the controller at {time:.6g} s"
+                raise OspaceError(f"{what} is not an array of real numbers: {given!r}") from None
+            if numbers.shape != held.shape:
                 raise OspaceError(
-                    f"{name} of the controller at {time:.6g} s has shape {np.shape(given)}; robot '{self.robot.name}' "
+                    f"{name} of the controller at {time:.6g} s has shape {numbers.shape}; robot '{self.robot.name}' "
                     f"with {n} joint axes needs {held.shape}"
                 )
-            held[:] = given
+            held[:] = numbers
         on_base = float(self._flat @ self._flat)
         if not math.isfinite(on_base + float(self.torque @ self.torque)):
             self._refuse(command, time)

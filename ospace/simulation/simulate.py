@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from ospace.checks import checked_vector
+from ospace.checks import checked_number, checked_vector
 from ospace.exceptions import OspaceError, SimulationError
 from ospace.points import OperationalPoint
 from ospace.robot import SpaceRobot
@@ -156,10 +156,9 @@ class _Clock:
     def of(
         cls, duration: float, step: float, period: float | None, delay: float, log_every: int, start: float
     ) -> _Clock:
-        if not (math.isfinite(step) and step > 0.0):
+        step, start = checked_number(step, "step"), checked_number(start, "start")
+        if not step > 0.0:
             raise OspaceError(f"step {step!r}: give a time above zero, s")
-        if not math.isfinite(start):
-            raise OspaceError(f"start {start!r}: give a finite time, s")
         if isinstance(log_every, bool) or not isinstance(log_every, int) or log_every < 1:
             raise OspaceError(f"log_every {log_every!r}: give a whole number from 1 on")
         return cls(
@@ -176,6 +175,7 @@ class _Clock:
 
 def _whole(time: float, step: float, name: str, least: int) -> int:
     """Return how many steps `time` takes; raises `OspaceError` where that is no whole number."""
+    time = checked_number(time, name)
     count = time / step
     if not math.isfinite(count) or round(count) < least or abs(count - round(count)) > _ROUNDING * max(1.0, count):
         near = max(least, round(count)) * step if math.isfinite(count) else step

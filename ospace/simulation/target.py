@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
-from ospace.checks import checked_vector
+from ospace.checks import checked_number, checked_vector, real_numbers
 from ospace.exceptions import OspaceError
 from ospace.joint_positions import Position
 from ospace.robot import SpaceRobot
@@ -44,9 +44,12 @@ def rigid_body(
     OspaceError
         Numbers or shapes make no sense, or no real body has that mass and inertia.
     """
-    if not (np.isfinite(mass) and mass > 0.0):
+    if not checked_number(mass, f"mass of '{name}'") > 0.0:
         raise OspaceError(f"mass of '{name}' is {mass!r}: give a mass above zero, kg")
-    given = np.asarray(inertia, dtype=np.float64)
+    try:
+        given = real_numbers(inertia)
+    except (TypeError, ValueError):
+        given = np.empty(0)
     I = np.diag(given) if given.shape == (3,) else given
     if I.shape != (3, 3) or not np.isfinite(I).all() or not np.allclose(I, I.T, rtol=1e-9, atol=0.0):
         raise OspaceError(

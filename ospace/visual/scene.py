@@ -13,6 +13,7 @@ import numpy.typing as npt
 import pinocchio as pin
 from meshcat.animation import Animation
 
+from ospace.checks import real_numbers
 from ospace.exceptions import OspaceError, closest
 from ospace.files import replacing
 from ospace.kernels.tables import Floats
@@ -333,7 +334,7 @@ def _default_points(robot: SpaceRobot) -> list[OperationalPoint]:
 def _checked(robot: SpaceRobot, motion: Motion) -> Records:
     """Return a motion as arrays; raise `OspaceError` where it is none of the robot."""
     try:
-        time, q, v = (np.asarray(one, dtype=np.float64) for one in (motion.time, motion.q, motion.v))
+        time, q, v = (real_numbers(one) for one in (motion.time, motion.q, motion.v))
     except (AttributeError, TypeError, ValueError) as error:
         raise OspaceError(f"the motion of '{robot.name}': give an object with arrays time, q and v ({error})") from None
     named = getattr(motion, "robot_name", robot.name)

@@ -576,7 +576,7 @@ def wrong(robot, hand):
         ),
         "centre of mass": lambda: Controller(robot, [CentreOfMassTask(name="x")], base="wheels"),
         "change momentum": lambda: Controller(robot, [MomentumTask(name="x")]),
-        "six numbers": lambda: Constant(pin.SE3.Identity(), velocity=np.zeros(3)),
+        r"velocity of a reference has shape": lambda: Constant(pin.SE3.Identity(), velocity=np.zeros(3)),
         "with a rotation": lambda: Constant(pin.SE3(2.0 * np.eye(3), np.zeros(3))),
         "no such reference": lambda: Controller(robot, [DampingTask(name="x")]).follow(
             "x", Constant(pin.SE3.Identity())

@@ -494,7 +494,7 @@ def test_no_states(chaser, points):
     [
         (np.zeros(25), None, {}, 1, r"\(N, 25\)"),
         (np.zeros((3, 24)), None, {}, 1, r"\(N, 25\)"),
-        ("some", None, {}, 1, "no array"),
+        ("some", None, {}, 1, "not an array"),
         (np.zeros((3, 25)), np.zeros((2, 24)), {}, 1, "3 states"),
         (np.zeros((3, 25)), None, {"inertia_inverse": np.zeros((3, 9, 8))}, 1, "shape"),
         (np.zeros((3, 25)), None, {"inertia_inverse": np.zeros((3, 9, 9), np.float32)}, 1, "float64"),
@@ -502,7 +502,7 @@ def test_no_states(chaser, points):
         (np.zeros((3, 25)), None, {"gamma": np.zeros(3)}, 1, "'gamma'"),
         (np.zeros((3, 25)), None, {"inertia": np.zeros((3, 9, 9))}, 1, "'inertia'"),
         (np.zeros((3, 25)), None, np.zeros((3, 9, 9)), 1, "mapping"),
-        (np.zeros((3, 25)) * 1j, None, {}, 1, "no array"),
+        (np.zeros((3, 25)) * 1j, None, {}, 1, "not an array"),
         (np.zeros((3, 25)), None, {}, 0, "threads"),
         (np.zeros((3, 25)), None, {}, "2", "threads"),
     ],

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 import pinocchio as pin
 
+from ospace.checks import real_numbers
 from ospace.control.tasks.task import Task
 from ospace.exceptions import OspaceError
 from ospace.kernels import tasks as kernel
@@ -33,7 +34,10 @@ class LookAtTask(Task):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        axis = np.asarray(self.axis, dtype=np.float64)
+        try:
+            axis = real_numbers(self.axis)
+        except (TypeError, ValueError):
+            axis = np.empty(0)
         if axis.shape != (3,) or not np.isfinite(axis).all() or not np.any(axis):
             raise OspaceError(f"task '{self.name}': axis {self.axis!r}: give three finite numbers, not all zero")
 

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
+from ospace.checks import checked_number
 from ospace.control.tasks.task import Task
 from ospace.exceptions import OspaceError, closest
 from ospace.kernels import tasks as kernel
@@ -34,8 +33,7 @@ class PostureTask(Task):
         if self.reference is not None:
             raise OspaceError(f"task '{self.name}': give the posture by joint names, not a reference")
         for joint, position in (self.posture or {}).items():
-            if not np.isfinite(position):
-                raise OspaceError(f"task '{self.name}': the position of joint '{joint}' is {position}")
+            checked_number(position, f"task '{self.name}': the position of joint '{joint}'")
 
     def rows(self, robot: SpaceRobot) -> list[int]:
         """Which joints."""

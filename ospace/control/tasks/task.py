@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from numbers import Real
 from typing import ClassVar
 
 import numpy as np
@@ -36,6 +37,8 @@ class Completion:
     hold: float = 0.0
 
     def __post_init__(self) -> None:
+        if not all(isinstance(one, Real) for one in (self.position, self.angle, self.hold)):
+            raise OspaceError(f"{self}: give real numbers")
         if not (self.position > 0.0 and self.angle > 0.0 and 0.0 <= self.hold < math.inf):
             raise OspaceError(f"{self}: bounds must be above 0, and the time to hold finite")
         if math.isinf(self.position) and math.isinf(self.angle):
