@@ -6,6 +6,9 @@ column a joint, NumPy matrices. References come from ospace's public functions a
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -559,3 +562,17 @@ def test_distance_from_the_origin_costs_digits_about_the_origin_alone(branched):
     J = pin.computeFrameJacobian(model, data, q, model.getFrameId(point.frame), pin.LOCAL_WORLD_ALIGNED)
     about_origin = J @ H_inv @ J.T
     assert_erratum(reference, about_origin, holds=ospace.operational_space(far, point).inertia_inverse)
+
+
+# -- numbers of equations ----------------------------------------------------------------------------------------
+
+
+def test_the_net_force_on_a_body_is_cited_by_its_number():
+    """I a + v ×̂ I v is (19) of the paper; (18) passes forces on to the parent."""
+    package = Path(ospace.__file__).parent
+    lines = [line for file in package.rglob("*.py") for line in file.read_text(encoding="utf-8").splitlines()]
+    net_force = [line for line in lines if re.search(r"×̂ I_?i? ?v", line)]
+    assert len(net_force) >= 2
+    assert [line for line in net_force if "(18)" in line] == []
+    assert any("(19)" in line for line in net_force)
+    assert [line for line in lines if "(18)" in line and "f_h" not in line] == []
