@@ -110,10 +110,19 @@ class BoundedCoordinates:
 
 def excess_text(model: pin.Model, beyond: Mapping[str, float]) -> str:
     """Write what `SpaceRobot.outside_limits` returns, as in "'elbow' by 0.0698 rad (4 deg), 'boom' by 0.02 m"."""
-    unit = {
+    return with_units(beyond, joint_units(model))
+
+
+def joint_units(model: pin.Model) -> dict[str, str]:
+    """Return the unit of the position of each joint by its name: rad, or m."""
+    return {
         name: "m" if joint.shortname().removeprefix("JointModel") in _IN_METRES else "rad"
         for name, joint in zip(model.names, model.joints, strict=True)
     }
+
+
+def with_units(beyond: Mapping[str, float], unit: Mapping[str, str]) -> str:
+    """Write by how much joints are beyond something, in the unit of each, angles in degrees as well."""
     return ", ".join(
         f"'{name}' by {excess:.3g} {unit[name]}" + (f" ({np.rad2deg(excess):.3g} deg)" if unit[name] == "rad" else "")
         for name, excess in beyond.items()

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
+from ospace.joint_positions import with_units
 from ospace.kernels.tables import Floats, Ints
 
-Status = Literal["nominal", "softened", "stopped"]
+Status = Literal["nominal", "softened", "outside limits", "degraded", "stopped"]
 _CAUSES = ("position", "velocity", "acceleration")
 _ON = 1e-6  # how near a bound, relative to its size and at least to 1, counts as on it
 
@@ -21,6 +22,8 @@ class Layout:
     """Names behind the numbers of a command; the same for all commands of a controller."""
 
     joints: Sequence[str]
+    units: Mapping[str, str]
+    """Of positions: rad or m, by joint name."""
     components: Sequence[str]
     """Of the wrench on the base that are actuated."""
     largest: Floats
@@ -61,11 +64,16 @@ class Command:
         rad/s², m/s².
     base_acceleration : (6,)
         ẍ_b, inertial axes, at the base-link frame's origin; m/s², rad/s².
-    status : "nominal", "softened" or "stopped"
-        All limits are kept; motion limits had to give way to torque limits; nothing could be solved and the joints
+    status : "nominal", "softened", "outside limits", "degraded" or "stopped"
+        The last of these that holds: all limits are kept; motion limits had to give way to torque limits; a joint is
+        outside its position limits; no solution was found for tasks of a level; nothing could be solved and the joints
         are braked.
     softened : dict of joint name to float
         By how much a joint's acceleration passes the bounds that its motion limits set, rad/s² or m/s².
+    dropped : dict of level to tuple of str
+        Levels without a solution, None for the tasks without a level, and the names of their tasks, which are undone.
+    outside : dict of joint name to float
+        By how much a joint is outside its position limits, rad or m.
     timing : Timing
     """
 
@@ -77,6 +85,8 @@ class Command:
     base_acceleration: Floats
     status: Status
     softened: dict[str, float]
+    dropped: dict[int | None, tuple[str, ...]]
+    outside: dict[str, float]
     timing: Timing
     _layout: Layout = field(repr=False)
     _bounds: tuple[Floats, Floats, Floats, Ints] = field(repr=False)
@@ -97,6 +107,8 @@ class Command:
         for side, bound, sign in (("lower", lower, -1.0), ("upper", upper, 1.0)):
             on = sign * (value - bound) > -_ON * np.maximum(1.0, np.abs(bound))
             for i in map(int, np.flatnonzero(on)):
+                if i >= n + m and lower[i] == upper[i]:
+                    continue  # a joint without a drive
                 if i < n:
                     what = f"{joints[i]}: {_CAUSES[cause[0 if side == 'lower' else 1, i]]}"
                 elif i >= n + m:
@@ -152,16 +164,29 @@ class Command:
 
     @property
     def explanation(self) -> str:
-        """The status in words."""
-        if self.status == "nominal":
-            return "nominal: all limits are kept"
-        if self.status == "softened" and not self.softened:
-            return "softened: the limits leave next to no room; all are kept but for rounding"
-        if self.status == "softened":
+        """The status in words, and all that holds beside it."""
+        if self.status == "stopped":
+            reasons = ["the program could not be solved; the joints are braked within their torque limits"]
+        else:
+            reasons = [
+                f"no solution was found for {_level(number)}, which {'are' if number is None else 'is'} left undone: "
+                + (", ".join(map(repr, tasks)) or "no task")
+                for number, tasks in self.dropped.items()
+            ]
+        if self.outside:
+            reasons.append(f"outside position limits: {with_units(self.outside, self._layout.units)}")
+        if self.softened:
             worst = ", ".join(f"'{joint}' by {excess:.3g}" for joint, excess in self.softened.items())
-            return f"softened: torque limits leave no way to keep the motion limits; accelerations pass theirs: {worst}"
-        return "stopped: the program could not be solved; the joints are braked within their torque limits"
+            reasons.append(f"torque limits leave no way to keep the motion limits; accelerations pass theirs: {worst}")
+        if not reasons:
+            rounding = "the limits leave next to no room; all are kept but for rounding"
+            reasons = ["all limits are kept" if self.status == "nominal" else rounding]
+        return f"{self.status}: {'; '.join(reasons)}"
 
     def _by_task(self, values: Floats) -> dict[str, Floats]:
         first = self._layout.first
         return {task: values[first[t] : first[t + 1]] for t, task in enumerate(self._layout.tasks)}
+
+
+def _level(number: int | None) -> str:
+    return "the tasks without a level" if number is None else f"level {number}"

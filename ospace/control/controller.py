@@ -6,7 +6,7 @@ import time as clock
 from collections.abc import Mapping, Sequence
 from math import isfinite
 from numbers import Real
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -16,13 +16,15 @@ from ospace.checks import checked_number, checked_vector
 from ospace.control.base import Base, parse_base
 from ospace.control.command import Command, Layout, Status, Timing
 from ospace.control.limits import JointLimits, bounded
-from ospace.control.priorities import Level, relaxed, solve_by_levels
+from ospace.control.priorities import Level, Solution, relaxed, solve_by_levels
 from ospace.control.references import Constant, Function, MinimumJerk, Reference
 from ospace.control.solvers import solver_named
 from ospace.control.tasks import DampingTask, LookAtTask, PostureTask, Task
 from ospace.control.tasks.base_attitude import base_point
 from ospace.dynamics.evaluator import OperationalSpaceEvaluator
+from ospace.dynamics.joint_friction import JointFriction
 from ospace.exceptions import OspaceError, closest
+from ospace.joint_positions import joint_units
 from ospace.kernels import control as kernel
 from ospace.kernels.tables import Floats
 from ospace.kernels.tasks import LOOK_AT, POSTURE, REFERENCE, Actuation, Rows, Tasks
@@ -34,9 +36,20 @@ _ROUNDING = 1e-5
 """Excess over a bound, relative to it and at least to 1, that is a solver's tolerance, summed over levels."""
 _EXCESS = 1e-5
 """Excess over motion limits that counts as one, rad/s²."""
+_OUTSIDE = 1e-6
+"""Excess over position limits that counts as one, rad or m; control stays within less at a limit."""
 _BRAKING_TIME = 0.1
 """Within which joints are braked where nothing can be solved, s."""
 _LOOKED_UP = ("_solve", "_R", "_place", "_q", "_v")
+
+
+class _Outcome(NamedTuple):
+    """What comes of a cycle's program."""
+
+    z: Floats
+    status: Status
+    softened: dict[str, float]
+    dropped: dict[int | None, tuple[str, ...]]
 
 
 class Controller:
@@ -129,7 +142,7 @@ class Controller:
         )
         largest = self.base.limits[self._base.component] / self._base.scale
         self._limits = kernel.Limits(
-            bounded(np.array([-self.limits.torque, self.limits.torque])),
+            bounded(np.array([0.0 - self.limits.torque, self.limits.torque])),
             bounded(np.array([self.limits.lower, self.limits.upper])),
             bounded(self.limits.velocity),
             bounded(self.limits.acceleration),
@@ -137,6 +150,10 @@ class Controller:
             self.period,
             _above_zero("braking", braking),
         )
+        friction = JointFriction.of(robot)
+        self._resistance = kernel.Resistance(friction.damping, friction.coulomb, np.zeros(n))
+        self._undriven = np.flatnonzero(self.limits.torque == 0.0)
+        self._beyond = np.zeros(n)
         self._wheel_rows = self._base.component >= 3 if self.base.wheels else np.zeros(size - n, dtype=bool)
         self._on_wheels, self._largest = bool(self._wheel_rows.any()), largest
         self.wheel_momentum = checked_vector(wheel_momentum, 3, "wheel_momentum", robot.name)
@@ -146,6 +163,7 @@ class Controller:
         ]
         self._layout = Layout(
             robot.joint_names,
+            joint_units(robot.model),
             [_COMPONENTS[c] for c in self._base.component],
             largest,
             [task.name for task in self.tasks],
@@ -185,12 +203,24 @@ class Controller:
             reference.write(self._tasks.reference[t], time)
         if self._on_wheels:
             self._limit_wheels()
-        kernel.assemble(time, run.work, self._base, self._tasks, self._limits, self._weights, self._rows, self._program)
+        farthest = kernel.assemble(
+            time,
+            run.work,
+            self._base,
+            self._tasks,
+            self._limits,
+            self._resistance,
+            self._weights,
+            self._rows,
+            self._program,
+            self._beyond,
+        )
         assembled = clock.perf_counter()
-        z, status, softened = self._solution()
+        outcome = self._solution()
         solved = clock.perf_counter()
         self._watch(time)
-        return self._command(z, status, softened, (start, evaluated, assembled, solved))
+        outside = self._outside() if farthest > _OUTSIDE else {}
+        return self._command(outcome, outside, (start, evaluated, assembled, solved))
 
     def completed(self, name: str) -> bool:
         """Whether the task's completion test has held for its time in the last cycle.
@@ -236,25 +266,28 @@ class Controller:
                 return self._pose(e)
         raise OspaceError(f"point '{point.frame}' belongs to no task")
 
-    def _solution(self) -> tuple[Floats, Status, dict[str, float]]:
+    def _solution(self) -> _Outcome:
         """Solve; else let motion limits give way; else brake."""
-        z = self._attempt(self._program)
-        if z is not None and self._finish(z, self._program) <= _ROUNDING:
-            return z, "nominal", {}
-        found = relaxed(self._program, self.robot.n_joints, self._solve)
-        if found is not None:
-            program, least = found
-            for z in (self._attempt(program), least):
-                if z is not None and self._finish(z, program) <= _ROUNDING:
-                    return z, "softened", self._excess(z)
+        found = self._attempt(self._program)
+        if found is not None and self._finish(found.z, self._program) <= _ROUNDING:
+            softened = self._undriven_excess(found.z) if len(self._undriven) else {}
+            return _Outcome(found.z, "softened" if softened else "nominal", softened, self._dropped(found))
+        least = relaxed(self._program, self.robot.n_joints, self._solve)
+        if least is not None:
+            program, start = least
+            for found in (self._attempt(program), self._attempt(program, start)):
+                if found is not None and self._finish(found.z, program) <= _ROUNDING:
+                    softened = {**self._excess(found.z), **self._undriven_excess(found.z)}
+                    return _Outcome(found.z, "softened", softened, self._dropped(found))
         z = self._braking()
         self._finish(z, self._program)
-        return z, "stopped", {}
+        return _Outcome(z, "stopped", {}, {})
 
-    def _attempt(self, program: kernel.Program) -> Floats | None:
-        """Solve `program`, by levels if there are any."""
-        if not self._levels:
-            return self._solve(program)
+    def _attempt(self, program: kernel.Program, start: Floats | None = None) -> Solution | None:
+        """Solve `program`, by levels if there are any, from `start` if there is one."""
+        if not self._levels and start is None:
+            z = self._solve(program)
+            return None if z is None else Solution(z)
         levels, first = [], self._tasks.first
         for number in self._levels:
             taken = [t for t, task in enumerate(self.tasks) if task.level == number]
@@ -264,11 +297,19 @@ class Controller:
             near = max(0.0, 1.0 - self._weights.independence[taken].min() / self._weights.singular)
             damping = self._weights.damping * near**2 * (A * A).sum() / len(rows)
             levels.append(Level(A, scale * self._rows.b[rows], damping))
-        return solve_by_levels(program, levels, self._solve, self._weights.regularization)
+        return solve_by_levels(program, levels, self._solve, self._weights.regularization, start)
+
+    def _dropped(self, found: Solution) -> dict[int | None, tuple[str, ...]]:
+        """Return the levels that found no solution, None for tasks without a level, and the names of their tasks."""
+        if not found.dropped:
+            return {}
+        numbers = [*self._levels, None]
+        return {numbers[k]: tuple(task.name for task in self.tasks if task.level == numbers[k]) for k in found.dropped}
 
     def _finish(self, z: Floats, program: kernel.Program) -> float:
         """Compute what comes of `z`; return by how much it passes the bounds of `program`, relative to them."""
-        return float(kernel.finish(z, self._run.work, self._base, self._rows, program, self._answer))
+        own = self._run.work, self._base, self.period, self._resistance, self._rows
+        return float(kernel.finish(z, *own, program, self._answer))
 
     def _excess(self, z: Floats) -> dict[str, float]:
         """By how much joint accelerations pass the bounds of their motion limits."""
@@ -276,18 +317,37 @@ class Controller:
         excess = np.maximum(z[:n] - program.upper[:n], program.lower[:n] - z[:n])
         return {self._layout.joints[j]: float(excess[j]) for j in range(n) if excess[j] > _EXCESS}
 
+    def _undriven_excess(self, z: Floats) -> dict[str, float]:
+        """By how much joints without a drive pass what keeps them within their velocity and acceleration limits."""
+        own, limits = self._undriven, self.limits
+        acceleration = z[own]
+        rate = self._v[6:][own] + self.period * acceleration
+        excess = np.maximum(
+            (np.abs(rate) - limits.velocity[own]) / self.period, np.abs(acceleration) - limits.acceleration[own]
+        )
+        return {self._layout.joints[j]: float(by) for j, by in zip(own.tolist(), excess, strict=True) if by > _EXCESS}
+
+    def _outside(self) -> dict[str, float]:
+        """By how much joints are outside their position limits."""
+        return {
+            self._layout.joints[j]: float(self._beyond[j]) for j in np.flatnonzero(self._beyond > _OUTSIDE).tolist()
+        }
+
     def _braking(self) -> Floats:
         """Return accelerations by torques that take energy from every joint, within their limits."""
         n, program = self.robot.n_joints, self._program
-        H, c, rate = program.C[:, :n], self._run.table("generalized_bias")[:, 0], self._v[6:]
+        H, c, rate = program.C[:, :n], self._resistance.bias, self._v[6:]
         torque = np.clip(c - H @ rate / _BRAKING_TIME, *self._limits.torque)
         torque[torque * rate > 0.0] = 0.0
         z = np.zeros(len(program.f))
         z[:n] = np.linalg.solve(H, torque - c)
         return z
 
-    def _command(self, z: Floats, status: Status, softened: dict[str, float], marks: tuple[float, ...]) -> Command:
+    def _command(self, outcome: _Outcome, outside: dict[str, float], marks: tuple[float, ...]) -> Command:
         n, program, answer = self.robot.n_joints, self._program, self._answer
+        z, status, softened, dropped = outcome
+        if status != "stopped" and (dropped or outside):
+            status = "degraded" if dropped else "outside limits"
         torque = np.clip(answer.torque, *self._limits.torque)
         wrench = np.zeros(6)
         if len(z) > n:
@@ -314,6 +374,8 @@ class Controller:
             answer.base_acceleration[0].copy(),
             status,
             softened,
+            dropped,
+            outside,
             timing,
             self._layout,
             (lower, upper, value, program.cause.copy()),

@@ -24,11 +24,11 @@ class JointLimits:
     Attributes
     ----------
     torque : (n,)
-        To either side; N m, or N for prismatic joints.
+        To either side; N m, or N for prismatic joints. 0 is a joint without a drive, whose motion limits bind nothing.
     lower, upper : (n,)
         Positions; rad, or m.
     velocity : (n,)
-        To either side; rad/s, or m/s.
+        To either side; rad/s, or m/s. 0 is a joint that its drive holds still.
     acceleration : (n,)
         To either side; rad/s², or m/s².
     """
@@ -51,9 +51,13 @@ class JointLimits:
                 )
             values.flags.writeable = False
             object.__setattr__(self, name, values)
-        for name in ("torque", "velocity", "acceleration"):
-            if not (getattr(self, name) > 0.0).all():
-                raise OspaceError(f"{name} limits must all be above 0: {getattr(self, name)}")
+        for name in ("torque", "velocity"):
+            if not (getattr(self, name) >= 0.0).all():
+                raise OspaceError(f"{name} limits must not be below 0: {getattr(self, name)}")
+        if not (self.acceleration > 0.0).all():
+            raise OspaceError(
+                f"acceleration limits must all be above 0, or a joint that moves could not stop: {self.acceleration}"
+            )
         if not (self.lower <= self.upper).all():
             j = int(np.argmin(self.lower <= self.upper))
             raise OspaceError(f"position limits of joint number {j} are {self.lower[j]} to {self.upper[j]}")
@@ -71,7 +75,8 @@ class JointLimits:
         Parameters
         ----------
         robot : SpaceRobot
-            A torque or velocity limit of zero, as files without one have it, counts as none.
+            Infinite limits alone count as none. A torque limit of zero is a joint without a drive; a velocity limit of
+            zero is one that its drive holds still, and without a drive it counts as none.
         acceleration : float or mapping of joint name to float
             URDF has none; rad/s², or m/s².
         share : float
@@ -80,7 +85,7 @@ class JointLimits:
         Raises
         ------
         OspaceError
-            An unknown joint, or a limit that is not above zero.
+            An unknown joint, or a limit that makes no sense.
         """
         model, n = robot.model, robot.n_joints
         most = np.full(n, math.inf)
@@ -97,18 +102,14 @@ class JointLimits:
             if model.nqs[j] == model.nvs[j] == 1:
                 lower[model.idx_vs[j] - 6] = model.lowerPositionLimit[model.idx_qs[j]]
                 upper[model.idx_vs[j] - 6] = model.upperPositionLimit[model.idx_qs[j]]
-        torque, velocity = (_positive(given[6:]) * share for given in (model.effortLimit, model.velocityLimit))
+        torque, velocity = (_open(given[6:]) * share for given in (model.effortLimit, model.velocityLimit))
+        velocity[(torque == 0.0) & (velocity == 0.0)] = math.inf
         return cls(torque, _open(lower), _open(upper), velocity, most)
 
 
 def _bound(given: object, name: str) -> float:
     """Return a limit, which may be infinite."""
     return math.inf if given == math.inf else checked_number(given, name)
-
-
-def _positive(given: npt.ArrayLike) -> Floats:
-    values = _open(given)
-    return np.where(values > 0.0, values, math.inf)
 
 
 def _open(given: npt.ArrayLike) -> Floats:

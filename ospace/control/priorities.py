@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,10 +14,12 @@ from ospace.kernels.tables import Floats
 
 _NOTHING_LEFT = 1e-9
 """Singular values of a level's rows, over their size, below which the level leaves a direction free."""
+_NO_ROW = 1e-12
+"""Of a row's size: what is left of it in the free directions, below which it bounds nothing there."""
 _SMALL_WEIGHT = 1e-4
 """Of squared accelerations beside the squared excess over motion limits."""
 _ROUNDING = 1e-6
-"""Room that bounds get where a solution is known to stand on them, relative and in rad/s²."""
+"""Room that bounds get where a solution is known to stand on them, relative and in rad/s², over all levels."""
 
 
 @dataclass(frozen=True)
@@ -28,42 +31,81 @@ class Level:
     damping: float
 
 
-def solve_by_levels(program: Program, levels: Sequence[Level], solve: Solver, regularization: float) -> Floats | None:
+class Solution(NamedTuple):
+    """What levels lead to."""
+
+    z: Floats
+    dropped: tuple[int, ...] = ()
+    """Levels without a solution, by their order; as many as there are levels for the weighted tasks below them."""
+
+
+def solve_by_levels(
+    program: Program, levels: Sequence[Level], solve: Solver, regularization: float, start: Floats | None = None
+) -> Solution | None:
     """Solve one level after the other, then the weighted tasks of `program`, within the limits of all.
 
     Each level is solved on what those above leave free: z = z_0 + N y, with the columns of N spanning the null space
     of the rows above. Limits bound z at every level, so a solution of one level is where the next one starts from, and
-    where a solver finds no other, it stays.
+    where none is found, it stays and the level is dropped. The first level starts from `start`, which keeps the limits;
+    without it, from nowhere.
+
+    Returns
+    -------
+    The solution, or None where there is none of the first level and no `start`.
     """
-    n = len(program.C)
-    z, N = None, np.eye(len(program.f))
-    for level in levels:
+    n, last = len(program.C), len(levels)
+    z, N = start, np.eye(len(program.f))
+    dropped = []
+    for k, level in enumerate(levels):
         H = level.A.T @ level.A + regularization * np.eye(len(N))
         H[:n, :n] += level.damping * np.eye(n)
-        z_next = _within(Program(H, -level.A.T @ level.b, *program[2:]), z, N, solve)
-        if z_next is None and z is None:
+        found = _within(Program(H, -level.A.T @ level.b, *program[2:]), z, N, solve, _room(k, last))
+        if found is not None:
+            z = found
+        elif z is None:
             return None
-        z = z if z_next is None else z_next
+        else:
+            dropped.append(k)
+            continue
         N = N @ _null_space(level.A @ N, float(np.linalg.norm(level.A)))
         if N.shape[1] == 0:
-            return z
-    last = _within(program, z, N, solve)
-    return z if last is None else last
+            return Solution(z, tuple(dropped))
+    found = _within(program, z, N, solve, _room(last, last))
+    if found is not None:
+        return Solution(found, tuple(dropped))
+    return None if z is None else Solution(z, (*dropped, last))
 
 
-def _within(program: Program, z: Floats | None, N: Floats, solve: Solver) -> Floats | None:
-    """Solve for y of z + N y, or for all of z where there is none yet."""
+def _room(k: int, last: int) -> float:
+    """Share of the room that bounds have at step `k`: more at each, so that no step starts from where there is none."""
+    return _ROUNDING * (k + 1) / (last + 1)
+
+
+def _within(program: Program, z: Floats | None, N: Floats, solve: Solver, room: float) -> Floats | None:
+    """Solve for y of z + N y, or for all of z where there is none yet.
+
+    Rows that bound nothing are left out, others brought to unit length, and so is the objective: solvers take a program
+    for infeasible, or find no end, where its numbers differ by many powers of ten.
+    """
     if z is None:
         return solve(program)
+    whole = np.concatenate([np.ones(len(z)), np.linalg.norm(program.C, axis=1)])
     C = np.vstack([N, program.C @ N])
     value = np.concatenate([z, program.C @ z])
-    free = np.full(N.shape[1], UNLIMITED)
+    size = np.linalg.norm(C, axis=1)
     # z may stand on many limits at once, by rounding on either side: solvers need room to find y = 0 allowed
-    lower = np.minimum(program.lower - value, 0.0) - _ROUNDING * np.minimum(1.0 + np.abs(value), UNLIMITED)
-    upper = np.maximum(program.upper - value, 0.0) + _ROUNDING * np.minimum(1.0 + np.abs(value), UNLIMITED)
-    lower, upper = np.concatenate([-free, lower]), np.concatenate([free, upper])
+    lower = np.minimum(program.lower - value - room * np.maximum(1.0, np.abs(program.lower)), 0.0)
+    upper = np.maximum(program.upper - value + room * np.maximum(1.0, np.abs(program.upper)), 0.0)
+    below, above = program.lower > -UNLIMITED / 2.0, program.upper < UNLIMITED / 2.0
+    kept = (size > _NO_ROW * whole) & (below | above)
+    size, free = size[kept], np.full(N.shape[1], UNLIMITED)
+    lower = np.where(below[kept], lower[kept] / size, -UNLIMITED)
+    upper = np.where(above[kept], upper[kept] / size, UNLIMITED)
+    C = C[kept] / size[:, None]
     H = N.T @ program.H @ N
-    y = solve(Program(H, N.T @ (program.f + program.H @ z), C, lower, upper, program.cause))
+    scale = 1.0 / H.diagonal().max()
+    f = scale * (N.T @ (program.f + program.H @ z))
+    y = solve(Program(scale * H, f, C, np.concatenate([-free, lower]), np.concatenate([free, upper]), program.cause))
     return None if y is None else z + N @ y
 
 

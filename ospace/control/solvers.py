@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,12 +17,17 @@ Solver = Callable[[Program], Floats | None]
 """Returns z, or None where there is no solution."""
 _TOLERANCE = 1e-9
 _FINE = 1e-12
+_PROXIMAL = (1e-3, 1e-2, 1e-1)
+"""Weights of |z − z_before|² beside the largest of H: the larger, the better conditioned, and the more steps."""
+_SETTLED = 1e-9
+"""The step that is none any more."""
 _OPTIONS: dict[str, dict[str, Any]] = {  # what others take a solution for is too rough for torques
     "clarabel": {"tol_gap_abs": _FINE, "tol_gap_rel": _FINE, "tol_feas": _FINE},
     "highs": {
         "primal_feasibility_tolerance": 1e-10,
         "dual_feasibility_tolerance": 1e-10,
         "qp_regularization_value": 0.0,
+        "time_limit": 1.0,  # s; on some programs it would go on for minutes
     },
     "osqp": {"eps_abs": 1e-11, "eps_rel": 0.0, "max_iter": 200_000, "polishing": False},
     "piqp": {"eps_abs": _FINE, "eps_rel": 0.0},
@@ -31,7 +37,19 @@ _ROUGH = {"ecos": "solves by second-order cones, which leaves half of the digits
 
 
 def solver_named(name: str) -> Solver:
-    """Return the solver of that name; raise `OspaceError` where it is unknown or not installed."""
+    """Return the solver of that name; raise `OspaceError` where it is unknown or not installed.
+
+    A program that it finds no solution of is solved by DAQP in proximal steps, which stands worse conditioned ones.
+    """
+    return partial(_solve, _back_end(name))
+
+
+def _solve(first: Solver, program: Program) -> Floats | None:
+    z = first(program)
+    return _daqp_proximal(program) if z is None else z
+
+
+def _back_end(name: str) -> Solver:
     if name == "daqp":
         return _daqp
     if name == "proxqp":
@@ -45,7 +63,7 @@ def solver_named(name: str) -> Solver:
         )
     if name not in known:
         raise OspaceError(f"solver '{name}' is unknown, or not installed{closest(str(name), known)}")
-    return lambda program: _by_qpsolvers(program, name)
+    return partial(_by_qpsolvers, name)
 
 
 def _daqp(program: Program) -> Floats | None:
@@ -55,19 +73,34 @@ def _daqp(program: Program) -> Floats | None:
     return np.asarray(z) if flag > 0 else None
 
 
+def _daqp_proximal(program: Program) -> Floats | None:
+    import daqp
+
+    scale = 1.0 / program.H.diagonal().max()
+    H, f = scale * program.H, scale * program.f
+    for weight in _PROXIMAL:
+        z, _, flag, _ = daqp.solve(
+            H, f, program.C, program.upper, program.lower, primal_tol=_TOLERANCE, eps_prox=weight, eta_prox=_SETTLED
+        )
+        if flag > 0:
+            return np.asarray(z)
+    return None
+
+
 def _proxqp(program: Program) -> Floats | None:
     from proxsuite import proxqp
 
     size, rows = len(program.f), len(program.C)
     lower, upper = (np.clip(bound, -1e20, 1e20) for bound in (program.lower, program.upper))
     qp = proxqp.dense.QP(size, 0, rows, True)
-    qp.settings.eps_abs, qp.settings.eps_rel, qp.settings.max_iter = _TOLERANCE, 0.0, 1000
+    qp.settings.eps_abs, qp.settings.eps_rel = _TOLERANCE, 0.0
+    qp.settings.max_iter = qp.settings.max_iter_in = 100  # some 30 do; its own bounds take seconds to find nothing
     qp.init(program.H, program.f, None, None, program.C, lower[size:], upper[size:], lower[:size], upper[:size])
     qp.solve()
     return np.asarray(qp.results.x) if qp.results.info.status == proxqp.QPSolverOutput.PROXQP_SOLVED else None
 
 
-def _by_qpsolvers(program: Program, name: str) -> Floats | None:
+def _by_qpsolvers(name: str, program: Program) -> Floats | None:
     import qpsolvers
 
     rows = np.vstack([np.eye(len(program.f)), program.C])

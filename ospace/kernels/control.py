@@ -3,7 +3,11 @@
 With z = [φ̈; û] as in `tasks`, and W the weights of the rows,
 
     minimize ½ zᵀ H z + fᵀ z,   H = Aᵀ W A + ε + damping,   f = −Aᵀ W b
-    subject to  lower ≤ [z; C z] ≤ upper,   C = [H_m*, −J_b*ᵀ B],   τ = C z + c_m*          (7)
+    subject to  lower ≤ [z; C z] ≤ upper,   C = [H_m*, −J_b*ᵀ B],   τ = C z + c_m* − τ_f    (7)
+
+τ_f is the torque of friction (`joint_friction`), for which drives make up within their limits. The program has it at φ̇.
+The torque, which is held over the period, makes up for it at φ̇ + h φ̈, so that a light joint with much friction, which
+is as fast as its torque allows long before the period ends, is then as fast as it is to be.
 
 The bounds on φ̈ come of position, velocity and acceleration limits in one clamp. With h the period, over which φ̈ is
 held, a the deceleration at hand and d the way to a position limit that is left if the speed falls to zero in it,
@@ -13,7 +17,8 @@ held, a the deceleration at hand and d the way to a position limit that is left 
     (φ̇_min − φ̇)/h ≤ φ̈ ≤ (φ̇_max − φ̇)/h
 
 at most ± the acceleration limit; and where a joint is outside already, no more than a is asked of it to come back.
-Since ceiling grows with d, φ̇_min ≤ φ̇_max wherever φ is; so the bounds never contradict each other.
+Since ceiling grows with d, φ̇_min ≤ φ̇_max wherever φ is; so the bounds never contradict each other. The φ̈ of a joint
+without a drive, whose torque limit is 0, has no bounds: nothing of its own could keep them.
 """
 
 from __future__ import annotations
@@ -21,6 +26,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from ospace.kernels.joint_friction import friction_torque
 from ospace.kernels.kinematics import CONTINUOUS, Joints
 from ospace.kernels.lanes import entry, inlined, load6, store6
 from ospace.kernels.memory import Work, open_robot, open_work
@@ -53,6 +59,17 @@ class Limits(NamedTuple):
     """h, s."""
     braking: float
     """Share of what the torque limit could decelerate that the clamp counts on."""
+
+
+class Resistance(NamedTuple):
+    """Torques that drives provide while all accelerations are zero."""
+
+    damping: Floats
+    """(n,)."""
+    coulomb: Floats
+    """(2, n) at negative, then at positive rates."""
+    bias: Floats
+    """(n,) work: c_m* − τ_f at φ̇."""
 
 
 class Program(NamedTuple):
@@ -103,12 +120,20 @@ def ceiling(d: float, a: float, h: float) -> float:
 
 
 @inlined
-def clamp_joints(joints: Joints, w: Work, limits: Limits, program: Program) -> None:
-    """Bounds on φ̈."""
-    h = limits.reaction
+def clamp_joints(joints: Joints, w: Work, limits: Limits, program: Program, outside: Floats) -> float:
+    """Bounds on φ̈; write by how much each joint is outside its position limits (n,), and return the largest."""
+    h, farthest = limits.reaction, 0.0
     for j in range(limits.velocity.size):
         rate, most, v = w.velocity[j + 6, 0], limits.acceleration[j], limits.velocity[j]
         fast, slow = v, -v
+        outside[j] = 0.0
+        if joints.kind[j + 1] != CONTINUOUS:
+            angle = w.q[joints.first[j + 1], 0]
+            outside[j] = max(0.0, limits.position[0, j] - angle, angle - limits.position[1, j])
+            farthest = max(farthest, outside[j])
+        if limits.torque[0, j] == limits.torque[1, j]:
+            program.lower[j], program.upper[j] = -UNLIMITED, UNLIMITED
+            continue
         force = min(limits.torque[1, j], -limits.torque[0, j])
         a = max(min(most, limits.braking * force / w.generalized_inertia[j, j]), 1e-6)
         if joints.kind[j + 1] != CONTINUOUS:
@@ -119,10 +144,11 @@ def clamp_joints(joints: Joints, w: Work, limits: Limits, program: Program) -> N
         program.lower[j], program.upper[j] = min(max(low, -most), most), min(max(high, -most), most)
         program.cause[0, j] = ACCELERATION if low <= -most else VELOCITY if slow == -v else POSITION
         program.cause[1, j] = ACCELERATION if high >= most else VELOCITY if fast == v else POSITION
+    return farthest
 
 
 @inlined
-def limit_torque(w: Work, base: Actuation, limits: Limits, program: Program) -> None:
+def limit_torque(w: Work, base: Actuation, limits: Limits, resistance: Resistance, program: Program) -> None:
     """Rows of torque, and bounds on them and on û."""
     n, k = limits.velocity.size, base.component.size
     for j in range(n):
@@ -131,11 +157,18 @@ def limit_torque(w: Work, base: Actuation, limits: Limits, program: Program) -> 
         J_b = load6(w.J_b_star, j + 1)
         for i in range(k):
             program.C[j, n + i] = -dot6(J_b, wrench_of(w, base, i))
-        program.lower[n + k + j] = limits.torque[0, j] - w.generalized_bias[j, 0]
-        program.upper[n + k + j] = limits.torque[1, j] - w.generalized_bias[j, 0]
+        resistance.bias[j] = w.generalized_bias[j, 0] - friction_at(resistance, j, w.velocity[j + 6, 0])
+        program.lower[n + k + j] = limits.torque[0, j] - resistance.bias[j]
+        program.upper[n + k + j] = limits.torque[1, j] - resistance.bias[j]
     for i in range(k):
         program.lower[n + i] = limits.wrench[0, i]
         program.upper[n + i] = limits.wrench[1, i]
+
+
+@inlined
+def friction_at(resistance: Resistance, j: int, rate: float) -> float:
+    """τ_f of joint `j`."""
+    return friction_torque(resistance.damping[j], resistance.coulomb[0, j], resistance.coulomb[1, j], rate)
 
 
 @inlined
@@ -214,20 +247,35 @@ def assemble(
     base: Actuation,
     tasks: Tasks,
     limits: Limits,
+    resistance: Resistance,
     weights: Weights,
     rows: Rows,
     program: Program,
-) -> None:
-    """Fill rows and program for the state that was evaluated last in `memory`."""
+    outside: Floats,
+) -> float:
+    """Fill rows and program for the state that was evaluated last in `memory`.
+
+    Write by how much each joint is outside its position limits to `outside` (n,), and return the largest.
+    """
     robot, w = open_robot(memory), open_work(memory, zeros(1))
     fill(w, robot, base, tasks, rows, time)
-    clamp_joints(robot.joints, w, limits, program)
-    limit_torque(w, base, limits, program)
+    farthest = clamp_joints(robot.joints, w, limits, program, outside)
+    limit_torque(w, base, limits, resistance, program)
     weigh(tasks, rows, weights, program, limits.velocity.size)
+    return farthest
 
 
 @entry
-def finish(z: Floats, memory: Floats, base: Actuation, rows: Rows, program: Program, answer: Answer) -> float:
+def finish(
+    z: Floats,
+    memory: Floats,
+    base: Actuation,
+    h: float,
+    resistance: Resistance,
+    rows: Rows,
+    program: Program,
+    answer: Answer,
+) -> float:
     """Torque, base acceleration and residuals of a solution; return by how much it passes a bound, relative to that."""
     w = open_work(memory, zeros(1))
     n, excess = answer.torque.size, 0.0
@@ -237,7 +285,8 @@ def finish(z: Floats, memory: Floats, base: Actuation, rows: Rows, program: Prog
         value = 0.0
         for k in range(z.size):
             value += program.C[j, k] * z[k]
-        answer.torque[j] = value + w.generalized_bias[j, 0]
+        rate = w.velocity[j + 6, 0] + h * z[j]
+        answer.torque[j] = value + w.generalized_bias[j, 0] - friction_at(resistance, j, rate)
         excess = max(excess, passed(value, program.lower[z.size + j], program.upper[z.size + j]))
     a = load6(w.base_drift, 0)
     for k in range(z.size):

@@ -203,16 +203,12 @@ class LimitsPlan:
         free = np.where(idle, np.inf, 0.0)
         return replace(
             limits,
-            torque=np.where(idle, _NO_TORQUE, limits.torque),
+            torque=np.where(idle, 0.0, limits.torque),
             lower=limits.lower - free,
             upper=limits.upper + free,
             velocity=limits.velocity + free,
             acceleration=limits.acceleration + free,
         )
-
-
-_NO_TORQUE = 1e-9
-"""Of joints without a drive, N m: a limit has to be above zero."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -85,7 +85,7 @@ class PhaseResult:
         Of the control cycles, s.
     errors : mapping of task name to TaskErrors
     statuses : mapping of status to int
-        Cycles in which the controller was nominal, softened, stopped.
+        Cycles by `Command.status`.
     active_limits : mapping of str to int
         Cycles in which each limit was active, by ``'joint: kind, side'``.
     near_singularity : mapping of task name to int
