@@ -9,12 +9,12 @@ from functools import cached_property
 import numpy as np
 
 from ospace.checks import all_finite
-from ospace.dynamics.dense import Dense, solve
+from ospace.dynamics import paper_sweeps
+from ospace.dynamics.dense import Dense
 from ospace.dynamics.generalized_jacobian import point_jacobian
 from ospace.dynamics.joint_space import composite_bodies
 from ospace.dynamics.ranges import inverse_on_range
 from ospace.exceptions import DependentRowsError, OspaceError, SingularInertiaError
-from ospace.kernels import inverted, operational
 from ospace.kernels.articulated import NO_INERTIA
 from ospace.kernels.tables import Floats
 from ospace.points import OperationalPoint, PointSet, point_set
@@ -108,7 +108,7 @@ def operational_space(
         response = forward_chain(state, given)[2]
         J_e = point_jacobian(state, given)
     elif method == "dense":
-        _refuse_singular(state, _forward(state, given)[3])
+        _refuse_singular(state, paper_sweeps.forward(state, given)[3])
         dense = Dense(state, given.points)
         Gamma_inv, mu, response, J_e = dense.Gamma_e_inv, dense.mu, dense.response, dense.J_e
     else:
@@ -133,30 +133,18 @@ def refuse_dependent(given: PointSet, rank: int, dependent: Iterable[int]) -> No
 
 def forward_chain(state: State, given: PointSet) -> tuple[Floats, Floats, Floats]:
     """Return Γ_e⁻¹ (r, r), μ (r,) and H⁻¹ J_eᵀ (nv, r) by the forward chain (38)–(45)."""
-    rows = given.rows
-    Gamma_inv, acceleration, response, share = _forward(state, given)
-    _refuse_singular(state, share)
-    return Gamma_inv[np.ix_(rows, rows)], -acceleration.ravel()[rows], response[:, rows]
-
-
-def _forward(state: State, given: PointSet) -> tuple[Floats, Floats, Floats, Floats]:
-    found: tuple[Floats, Floats, Floats, Floats] = operational.forward_chain(
-        state.robot.links, given.table, state.placements, state.tree
-    )
-    return found
+    Gamma_inv, mu, response, pivots = paper_sweeps.forward(state, given)
+    _refuse_singular(state, pivots)
+    return Gamma_inv, mu, response
 
 
 def _inverted(state: State, given: PointSet) -> tuple[Floats, Floats, tuple[Floats, Floats] | None]:
     """Return Γ_e⁻¹ (r, r) and μ (r,) by the inverted chain; if all rows are taken, Γ_e and μ_e as they come."""
     if len(given.points) != 1:
         raise OspaceError(f"the inverted chain takes one point, got {len(given.points)}: use method='forward'")
-    Gamma, mu_e, share = inverted.inverted_chain(state.robot.links, given.table, state.placements, state.tree)
-    _refuse_singular(state, share)
-    all_finite((Gamma, mu_e), "the operational-space dynamics")
-    Gamma_inv = solve(Gamma, np.eye(6))
-    Gamma_inv = 0.5 * (Gamma_inv + Gamma_inv.T)
-    known = (0.5 * (Gamma + Gamma.T), mu_e) if len(given.rows) == 6 else None
-    return Gamma_inv[np.ix_(given.rows, given.rows)], (Gamma_inv @ mu_e)[given.rows], known
+    Gamma, mu_e, Gamma_inv, mu, pivots = paper_sweeps.inverted(state, given)
+    _refuse_singular(state, pivots)
+    return Gamma_inv, mu, (Gamma, mu_e) if len(given.rows) == 6 else None
 
 
 def _refuse_singular(state: State, share: Floats) -> None:

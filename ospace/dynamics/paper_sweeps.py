@@ -1,0 +1,137 @@
+"""The paper's own sweeps, forward (38)–(45) and inverted (33)–(36), for a state and points."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pinocchio as pin
+
+from ospace.kernels.forward_chain import Chain, Ends, force_transform, forward_chain
+from ospace.kernels.inverted_chain import inverted_chain
+from ospace.kernels.tables import Floats, Links
+from ospace.points import PointSet
+from ospace.state import State
+
+
+def forward(state: State, points: PointSet) -> tuple[Floats, Floats, Floats, Floats]:
+    """Run the forward chain.
+
+    Returns
+    -------
+    Gamma_inv : (r, r)
+        Γ_e⁻¹; inertial axes, at the points.
+    mu : (r,)
+        μ, likewise.
+    response : (nv, r)
+        H⁻¹ J_eᵀ; rows of the base in inertial axes, at the base.
+    relative_pivot : (n + 1,)
+        Of the joint of each link; see `ospace.kernels.forward_chain.relative_pivot`.
+    """
+    chain, ends = paper_frames(state, points)
+    rows = points.rows
+    Gamma_inv, acceleration, response, pivots = forward_chain(chain, ends)
+    Gamma_inv = 0.5 * (Gamma_inv + Gamma_inv.T)
+    R = state.T_WB.rotation
+    response[:3], response[3:6] = R @ response[:3], R @ response[3:6]
+    return Gamma_inv[np.ix_(rows, rows)], -acceleration.ravel()[rows], response[:, rows], pivots
+
+
+def inverted(state: State, point: PointSet) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """Run the inverted chain for one point.
+
+    Returns
+    -------
+    Gamma, mu_e : (6, 6), (6,)
+        Γ_e and μ_e of all six rows; inertial axes, at the point.
+    Gamma_inv, mu : (r, r), (r,)
+        Γ_e⁻¹ and μ of the rows taken.
+    relative_pivot : (n + 1,)
+        Of the joint of each link.
+    """
+    chain, end = paper_frames(state, point)
+    rows = point.rows
+    Gamma, mu_e, Gamma_inv, acceleration, pivots = inverted_chain(chain, end)
+    Gamma, Gamma_inv = 0.5 * (Gamma + Gamma.T), 0.5 * (Gamma_inv + Gamma_inv.T)
+    return Gamma, mu_e, Gamma_inv[np.ix_(rows, rows)], -acceleration[rows], pivots
+
+
+def paper_frames(state: State, points: PointSet) -> tuple[Chain, Ends]:
+    """Return links and points in Pinocchio's joint frames, each turned until its third axis is the joint's.
+
+    Pinocchio knows how a joint lies to its parent without a difference of positions, so the distance from the base
+    costs no digits. A joint of several columns keeps the axes of its frame, and all its links lie in that frame.
+    """
+    robot, model, scratch = state.robot, state.robot.model, state.robot.scratch
+    scratch.run(*state.beside_base())
+    data, links, base, joints = scratch.data, robot.links, 1, range(2, model.njoints)
+    n, last = len(links.parent) - 1, robot.link_of_joint
+    first, parents = [model.idx_vs[j] - 5 for j in joints], [model.parents[j] for j in joints]
+
+    S, v, c = np.zeros((3, n + 1, 6))
+    for j in joints:
+        columns, motion = np.reshape(data.joints[j].S, (6, -1), order="F"), data.joints[j]
+        S[last[j] - model.nvs[j] + 1 : last[j] + 1] = columns.T
+        c[last[j]] = (data.v[j].cross(motion.v) + motion.c).vector  # (17)
+    v[last[base:]] = [data.v[j].vector for j in (base, *joints)]
+
+    single = [j for j in joints if model.nvs[j] == 1]
+    A = np.tile(np.eye(3), (model.njoints, 1, 1))  # axes of the links, in Pinocchio's
+    A[single] = turn_z_to(screw_axis(S[last[single]]))
+    A_T = A.transpose(0, 2, 1)
+    S, v, c = (_rotate(A_T[links.body], motion) for motion in (S, v, c))
+    S[last[single]] = S[last[single]].round(15)  # Sᵀ = [0 0 0 0 0 1] to the last digit
+
+    R, r = np.tile(np.eye(3), (n + 1, 1, 1)), np.zeros((n + 1, 3))
+    R[first] = A_T[parents] @ _rotations([data.liMi[j] for j in joints]) @ A[joints]
+    r[first] = np.einsum("kij,kj->ki", A_T[parents], _translations([data.liMi[j] for j in joints]))
+    I = _rigid_inertia(links, A_T[links.body])
+    chain = Chain(links.parent, force_transform(R, r), S, I, v, c, links.armature)
+
+    table = points.table
+    R_e = _rotations([data.oMi[j] for j in table.body.tolist()]) @ A[table.body]  # inertial axes of the links
+    offset = np.einsum("kij,kj->ki", A_T[table.body], table.offset)
+    return chain, Ends(table.link, force_transform(R_e.transpose(0, 2, 1), offset))
+
+
+def screw_axis(S: Floats) -> Floats:
+    """Return the directions (k, 3) of joint columns (k, 6): of what turns, or else of what slides."""
+    axis = np.where(np.any(S[:, 3:], axis=1, keepdims=True), S[:, 3:], S[:, :3])
+    return np.asarray(axis / np.linalg.norm(axis, axis=1, keepdims=True))
+
+
+def turn_z_to(axis: Floats) -> Floats:
+    """Return rotations (k, 3, 3) whose third columns are the unit vectors `axis` (k, 3).
+
+    Duff et al., Building an Orthonormal Basis, Revisited, JCGT 6 (2017).
+    """
+    x, y, z = axis.T
+    sign = np.copysign(1.0, z)
+    a = -1.0 / (sign + z)
+    b = x * y * a
+    columns = [[1.0 + sign * x * x * a, sign * b, -sign * x], [b, sign + y * y * a, -y], [x, y, z]]
+    return np.moveaxis(np.array(columns), 2, 0).transpose(0, 2, 1)
+
+
+def _rotate(R: Floats, motions: Floats) -> Floats:
+    """Turn both parts of motions (k, 6) by R (k, 3, 3)."""
+    return np.einsum("kij,ksj->ksi", R, motions.reshape(-1, 2, 3)).reshape(-1, 6)
+
+
+def _rotations(placements: Sequence[pin.SE3]) -> Floats:
+    return np.array([M.rotation for M in placements]).reshape(-1, 3, 3)
+
+
+def _translations(placements: Sequence[pin.SE3]) -> Floats:
+    return np.array([M.translation for M in placements]).reshape(-1, 3)
+
+
+def _rigid_inertia(links: Links, A_T: Floats) -> Floats:
+    """Return [m −m c̃; m c̃ I − m c̃ c̃] (n + 1, 6, 6), links whose axes are turned by A."""
+    ones = np.tile(np.eye(3), (len(A_T), 1, 1))
+    about_centre = np.zeros((len(A_T), 6, 6))
+    about_centre[:, :3, :3] = ones * links.mass[:, None, None]
+    row, column = np.tril_indices(3)
+    about_centre[:, 3 + row, 3 + column] = about_centre[:, 3 + column, 3 + row] = links.inertia
+    X = force_transform(A_T, np.einsum("kij,kj->ki", A_T, links.com))
+    return X @ about_centre @ X.transpose(0, 2, 1)
