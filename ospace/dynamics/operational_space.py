@@ -147,8 +147,8 @@ def _inverted(state: State, given: PointSet) -> tuple[Floats, Floats, tuple[Floa
     return Gamma_inv, mu, (Gamma, mu_e) if len(given.rows) == 6 else None
 
 
-def _refuse_singular(state: State, share: Floats) -> None:
+def _refuse_singular(state: State, pivots: Floats) -> None:
     """Raise where a joint has no inertia left to resist it; NaN counts as none."""
-    none = np.flatnonzero(~(share > NO_INERTIA))
+    none = np.flatnonzero(~(pivots[1:] > NO_INERTIA))
     if none.size:
-        raise SingularInertiaError(state.robot.joint_of_link(int(none[-1])))
+        raise SingularInertiaError(state.robot.joint_of_link(1 + int(none[-1])))

@@ -61,6 +61,13 @@ def paper_frames(state: State, points: PointSet) -> tuple[Chain, Ends]:
 
     Pinocchio knows how a joint lies to its parent without a difference of positions, so the distance from the base
     costs no digits. A joint of several columns keeps the axes of its frame, and all its links lie in that frame.
+
+    Velocities are seen, link by link, from the inertial frame that moves along with the link's origin now, where they
+    are [0; ω_i]: by Galilean invariance the same equations, without the forces m ω × v that the speed at the end of a
+    boom puts into p_i and takes out again by a_i. Accelerations are then the classical ones of the origins. With
+    v' = ʰX_iᵀ [0; ω_h] + S_i φ̇_i, the velocity as seen from the parent, and S_i° what S_i changes by in its own frame,
+
+        c_i = v' ×̂ S_i φ̇_i + S_i° φ̇_i + [ω_i × v'; 0]
     """
     robot, model, scratch = state.robot, state.robot.model, state.robot.scratch
     scratch.run(*state.beside_base())
@@ -68,12 +75,14 @@ def paper_frames(state: State, points: PointSet) -> tuple[Chain, Ends]:
     n, last = len(links.parent) - 1, robot.link_of_joint
     first, parents = [model.idx_vs[j] - 5 for j in joints], [model.parents[j] for j in joints]
 
-    S, v, c = np.zeros((3, n + 1, 6))
+    S, v, c, moved = np.zeros((4, n + 1, 6))
+    v[0] = _turning(data.v[base])
     for j in joints:
-        columns, motion = np.reshape(data.joints[j].S, (6, -1), order="F"), data.joints[j]
-        S[last[j] - model.nvs[j] + 1 : last[j] + 1] = columns.T
-        c[last[j]] = (data.v[j].cross(motion.v) + motion.c).vector  # (17)
-    v[last[base:]] = [data.v[j].vector for j in (base, *joints)]
+        joint, i = data.joints[j], last[j]
+        S[i - model.nvs[j] + 1 : i + 1] = np.reshape(joint.S, (6, -1), order="F").T
+        seen = data.liMi[j].actInv(pin.Motion(_turning(data.v[model.parents[j]]))) + joint.v
+        v[i], moved[i], c[i] = _turning(data.v[j]), seen.vector, (seen.cross(joint.v) + joint.c).vector
+    c[:, :3] += np.cross(v[:, 3:], moved[:, :3])
 
     single = [j for j in joints if model.nvs[j] == 1]
     A = np.tile(np.eye(3), (model.njoints, 1, 1))  # axes of the links, in Pinocchio's
@@ -92,6 +101,11 @@ def paper_frames(state: State, points: PointSet) -> tuple[Chain, Ends]:
     R_e = _rotations([data.oMi[j] for j in table.body.tolist()]) @ A[table.body]  # inertial axes of the links
     offset = np.einsum("kij,kj->ki", A_T[table.body], table.offset)
     return chain, Ends(table.link, force_transform(R_e.transpose(0, 2, 1), offset))
+
+
+def _turning(v: pin.Motion) -> Floats:
+    """Return [0; ω]: a velocity as seen from an inertial frame that moves along with the origin, now."""
+    return np.concatenate([np.zeros(3), v.angular])
 
 
 def screw_axis(S: Floats) -> Floats:

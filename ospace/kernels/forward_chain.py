@@ -30,6 +30,8 @@ import numpy as np
 
 from ospace.kernels.tables import Floats, Ints
 
+_ONE = np.eye(6)
+
 
 class Chain(NamedTuple):
     """Links of one state in their own frames, rows 0…n; row 0 is the base and has no joint."""
@@ -68,19 +70,28 @@ class ArticulatedBodies(NamedTuple):
     """(n + 1, 6) p^A."""
     IC: Floats
     """(n + 1, 6, 6) I^C, the same with all joints locked."""
+    moved: Floats
+    """(n + 1, 6, 6) what of I^C the joint of the link moves."""
     L: Floats
     """(n + 1, 6, 6) propagators: forces of the link to what its parent feels of them."""
     beta: Floats
     """(n + 1,)."""
-    relative_pivot: Floats
-    """(n + 1,) see `relative_pivot`; 1 where no joint was eliminated."""
+
+
+def skew(r: Floats) -> Floats:
+    """Return r̃ (k, 3, 3), r̃ a = r × a, of vectors (k, 3)."""
+    x, y, z = r.T
+    R = np.zeros((len(r), 3, 3))
+    R[:, 0, 1], R[:, 0, 2], R[:, 1, 2] = -z, y, -x
+    R[:, 1, 0], R[:, 2, 0], R[:, 2, 1] = z, -y, x
+    return R
 
 
 def force_transform(R: Floats, r: Floats) -> Floats:
     """Return X (14) = [R 0; r̃R R], (k, 6, 6), of rotations (k, 3, 3) and origins (k, 3)."""
     X = np.zeros((len(R), 6, 6))
     X[:, :3, :3] = X[:, 3:, 3:] = R
-    X[:, 3:, :3] = np.cross(r[:, :, None], R, axis=1)
+    X[:, 3:, :3] = skew(r) @ R
     return X
 
 
@@ -92,21 +103,24 @@ def inverse_transform(X: Floats) -> Floats:
     return inverse
 
 
-def cross_force(v: Floats, f: Floats) -> Floats:
-    """Return v ×̂ f = [ω × f; v × f + ω × n] of rows (k, 6), the dual of the operator on motions."""
-    force, moment = f[:, :3], f[:, 3:]
-    linear, angular = v[:, :3], v[:, 3:]
-    return np.hstack([np.cross(angular, force), np.cross(linear, force) + np.cross(angular, moment)])
+def cross_force(v: Floats) -> Floats:
+    """Return v ×̂ = [ω̃ 0; ṽ ω̃] on forces, (k, 6, 6), of velocities (k, 6): the dual of the operator on motions."""
+    operator = np.zeros((len(v), 6, 6))
+    operator[:, :3, :3] = operator[:, 3:, 3:] = skew(v[:, 3:])
+    operator[:, 3:, :3] = skew(v[:, :3])
+    return operator
 
 
 def initial_bias_forces(chain: Chain) -> Floats:
     """Return p_i = v_i ×̂ I_i v_i (n + 1, 6)."""
-    return cross_force(chain.v, np.einsum("nij,nj->ni", chain.I, chain.v))
+    momenta = chain.I @ chain.v[:, :, None]
+    return np.asarray(cross_force(chain.v) @ momenta)[:, :, 0]
 
 
 def classical(a: Floats, v: Floats) -> Floats:
-    """Return ẍ = a − [v × ω; 0] of a point, from its spatial acceleration and its velocity."""
-    return a - np.concatenate([np.cross(v[:3], v[3:]), np.zeros(3)])
+    """Return ẍ = a − [v × ω; 0] of points, from their spatial accelerations and velocities, rows (p, 6)."""
+    turning = skew(v[:, :3]) @ v[:, 3:, None]
+    return a - np.hstack([turning[:, :, 0], np.zeros((len(v), 3))])
 
 
 def solve(I: Floats, B: Floats) -> Floats:
@@ -116,59 +130,67 @@ def solve(I: Floats, B: Floats) -> Floats:
     return X
 
 
-def relative_pivot(beta: float, S: Floats, IC: Floats) -> float:
-    """Return β over the diagonal of the composite inertia that the joint moves.
+def motion_at(ends: Ends, motion: Floats) -> Floats:
+    """Return ᴵXᵀ v_i (p, 6): motions of the links that carry the points, at the points in inertial axes."""
+    X_T = ends.X.transpose(0, 2, 1)
+    return np.asarray(X_T @ motion[ends.link, :, None])[:, :, 0]
+
+
+def relative_pivot(beta: Floats, S: Floats, IC: Floats) -> Floats:
+    """Return β over the diagonal of the composite inertia that each joint moves, (n + 1,).
 
     Rounding of β is of the size of that diagonal: where the ratio falls to it, nothing resists the joint.
     """
-    linear, angular = S[:3] @ S[:3] * np.trace(IC[:3, :3]), S[3:] @ S[3:] * np.trace(IC[3:, 3:])
-    return float(beta / (linear + angular + 1e-300))  # no inertia at all, no pivot
+    diagonal = np.diagonal(IC, axis1=1, axis2=2).reshape(-1, 2, 3).sum(axis=2)
+    moved = (np.square(S).reshape(-1, 2, 3).sum(axis=2) * diagonal).sum(axis=1)
+    return np.asarray(beta / np.maximum(moved, 1e-300))  # nothing moved, no pivot
 
 
 def propagate(I: Floats, S: Floats, armature: float) -> tuple[Floats, Floats, float]:
     """Return L = 1 − I S Sᵀ/β, I L, and β = Sᵀ I S + a_r for one joint, all in one frame.
 
-    Without armature I S Sᵀ/β is a projector. Its own axis is set to what it must be, Sᵀ I S/β = 1 − a_r/β: the
-    force that passes along the axis is exactly none then, however heavy the body and light the next one.
+    Along its own axis L is set to what it must be, Sᵀ L = a_r Sᵀ/β: without armature exactly no force passes along the
+    axis then, however heavy the body and light the next one.
     """
     U = I @ S
     beta = float(S @ U) + armature
     u = U / beta
-    u += S * ((1.0 - armature / beta - S @ u) / (S @ S))
-    L = np.eye(6) - np.outer(u, S)
-    return L, L @ I @ L.T + armature * np.outer(u, u), beta
+    L = _ONE - u[:, None] * S
+    L += (S / (S @ S))[:, None] * (armature / beta * S - S @ L)
+    return L, L @ I @ L.T + (armature * u)[:, None] * u, beta
 
 
 def links_alone(chain: Chain) -> ArticulatedBodies:
     """Return the links before any joint is eliminated."""
-    I, one = chain.I, np.ones(len(chain.I))
-    return ArticulatedBodies(I.copy(), initial_bias_forces(chain), I.copy(), np.zeros_like(I), one.copy(), one)
+    I = chain.I
+    L, moved, beta = np.zeros_like(I), np.zeros_like(I), np.zeros(len(I))
+    return ArticulatedBodies(I.copy(), initial_bias_forces(chain), I.copy(), moved, L, beta)
 
 
 def pass_inward(chain: Chain, body: ArticulatedBodies, i: int) -> None:
     """Eliminate joint `i`: pass link `i` with all it carries on to its parent (38), (42)."""
     h, X, S = chain.parent[i], chain.X[i], chain.S[i]
     L, I_L, body.beta[i] = propagate(body.I[i], S, chain.armature[i])
-    body.relative_pivot[i] = relative_pivot(body.beta[i], S, body.IC[i])
     body.L[i] = X @ L
     body.I[h] += X @ I_L @ X.T
     body.p[h] += body.L[i] @ (body.p[i] + body.I[i] @ chain.c[i])
+    body.moved[i] = body.IC[i]
     body.IC[h] += X @ body.IC[i] @ X.T
 
 
 def pass_outward_blocks(chain: Chain, body: ArticulatedBodies) -> Floats:
     """Return Λ_ii (39) of all links, (n + 1, 6, 6)."""
     Lambda = np.empty_like(body.I)
-    Lambda[0] = solve(body.I[0], np.eye(6))
+    Lambda[0] = solve(body.I[0], _ONE)
     for i in range(1, len(Lambda)):
         S, L = chain.S[i], body.L[i]
-        Lambda[i] = np.outer(S, S) / body.beta[i] + L.T @ Lambda[chain.parent[i]] @ L
+        Lambda[i] = S[:, None] * (S / body.beta[i]) + L.T @ Lambda[chain.parent[i]] @ L
     return Lambda
 
 
 def cross_coupling(chain: Chain, body: ArticulatedBodies, Lambda: Floats, i: int, j: int) -> Floats:
     """Return Λ_ij (40), (6, 6): from the nearest common ancestor outward to both links."""
-    left = right = np.eye(6)
+    left = right = _ONE
     while i != j:
         if i > j:  # j is not below i
             left, i = body.L[i] @ left, chain.parent[i]
@@ -207,10 +229,11 @@ def response(chain: Chain, ends: Ends, body: ArticulatedBodies) -> Floats:
         S = chain.S[i]
         A[i] = chain.X[i].T @ A[chain.parent[i]]
         Y[i + 5] = S @ (P[i] - body.I[i] @ A[i]) / body.beta[i]
-        A[i] += np.outer(S, Y[i + 5])
+        A[i] += S[:, None] * Y[i + 5]
     return Y
 
 
+@np.errstate(divide="ignore", invalid="ignore")  # a joint without inertia is reported by its pivot
 def forward_chain(chain: Chain, ends: Ends) -> tuple[Floats, Floats, Floats, Floats]:
     """Compute the operational-space dynamics of p points by the forward chain.
 
@@ -223,20 +246,21 @@ def forward_chain(chain: Chain, ends: Ends) -> tuple[Floats, Floats, Floats, Flo
     response : (n + 6, 6p)
         H⁻¹ J_eᵀ, rows of the base in its own axes.
     relative_pivot : (n + 1,)
-        Of each joint.
+        Of the joint of each link, see `relative_pivot`; row 0 means nothing.
     """
     body = links_alone(chain)
     for i in range(len(chain.parent) - 1, 0, -1):
         pass_inward(chain, body, i)
 
     Lambda, p = pass_outward_blocks(chain, body), len(ends.link)
-    Gamma_inv = np.empty((p, 6, p, 6))
+    Gamma_inv = np.empty((6 * p, 6 * p))
     for e, i in enumerate(ends.link):
-        for d, j in enumerate(ends.link):
-            Gamma_inv[e, :, d] = ends.X[e].T @ cross_coupling(chain, body, Lambda, i, j) @ ends.X[d]  # (41)
+        for d, j in enumerate(ends.link[: e + 1]):
+            K = ends.X[e].T @ cross_coupling(chain, body, Lambda, i, j) @ ends.X[d]  # (41)
+            Gamma_inv[6 * e : 6 * e + 6, 6 * d : 6 * d + 6] = K
+            Gamma_inv[6 * d : 6 * d + 6, 6 * e : 6 * e + 6] = K.T
 
-    a = pass_outward_accelerations(chain, body)
-    acceleration = np.empty((p, 6))
-    for e, i in enumerate(ends.link):
-        acceleration[e] = classical(ends.X[e].T @ a[i], ends.X[e].T @ chain.v[i])  # (44), (45)
-    return Gamma_inv.reshape(6 * p, 6 * p), acceleration, response(chain, ends, body), body.relative_pivot
+    a = motion_at(ends, pass_outward_accelerations(chain, body))  # (44)
+    acceleration = classical(a, motion_at(ends, chain.v))  # (45)
+    pivots = relative_pivot(body.beta, chain.S, body.moved)
+    return Gamma_inv, acceleration, response(chain, ends, body), pivots

@@ -24,6 +24,7 @@ from ospace.kernels.forward_chain import (
     classical,
     inverse_transform,
     links_alone,
+    motion_at,
     pass_inward,
     propagate,
     relative_pivot,
@@ -44,14 +45,14 @@ def path_to(chain: Chain, i: int) -> list[int]:
 def pass_outward(chain: Chain, body: ArticulatedBodies, i: int) -> None:
     """Pass the base's side of joint `i` on to link `i` (33), (35)."""
     h, S, X = chain.parent[i], chain.S[i], inverse_transform(chain.X[i])
-    L_T, I_L, alpha = propagate(X @ body.I[h] @ X.T, S, chain.armature[i])
-    IC = X @ body.IC[h] @ X.T
-    body.relative_pivot[i] = relative_pivot(alpha, S, IC)
+    L_T, I_L, body.beta[i] = propagate(X @ body.I[h] @ X.T, S, chain.armature[i])
+    body.moved[i] = X @ body.IC[h] @ X.T
     body.I[i] += I_L
     body.p[i] += L_T @ (X @ body.p[h]) - I_L @ chain.c[i]
-    body.IC[i] += IC
+    body.IC[i] += body.moved[i]
 
 
+@np.errstate(divide="ignore", invalid="ignore")  # a joint without inertia is reported by its pivot
 def inverted_chain(chain: Chain, end: Ends) -> tuple[Floats, Floats, Floats, Floats, Floats]:
     """Compute the operational-space dynamics of the one point `end` by the inverted chain.
 
@@ -63,19 +64,24 @@ def inverted_chain(chain: Chain, end: Ends) -> tuple[Floats, Floats, Floats, Flo
         Γ_e⁻¹, and ẍ_e when no force acts, −μ: both solved for in the frame of the link, where what is heavy and what
         is light lie on axes of their own.
     relative_pivot : (n + 1,)
-        Of each joint.
+        Of the joint of each link, see `relative_pivot`; row 0 means nothing.
     """
     body, X, e = links_alone(chain), end.X[0], int(end.link[0])
     path = path_to(chain, e)
     for i in range(len(chain.parent) - 1, 0, -1):
         if i not in path:
             pass_inward(chain, body, i)
+    own = body.IC[e].copy()
     for i in path:
         pass_outward(chain, body, i)
 
-    I, p, v_e = body.I[e], body.p[e], X.T @ chain.v[e]
+    I, p, v_e = body.I[e], body.p[e], motion_at(end, chain.v)
     X_inv = inverse_transform(X)
     Gamma = X_inv @ I @ X_inv.T
-    mu_e = X_inv @ p - Gamma @ classical(np.zeros(6), v_e)
-    acceleration = classical(-X.T @ solve(I, p), v_e)
-    return Gamma, mu_e, X.T @ solve(I, X), acceleration, body.relative_pivot
+    mu_e = X_inv @ p - Gamma @ classical(np.zeros((1, 6)), v_e)[0]
+    acceleration = classical(-(X.T @ solve(I, p))[None, :], v_e)[0]
+    pivots = relative_pivot(body.beta, chain.S, body.moved)
+    if path:  # nothing of the base's side resists the last joint: it has to be the link itself
+        S = chain.S[e]
+        pivots[e] = min(pivots[e], relative_pivot(S @ I @ S, S[None], own[None])[0])
+    return Gamma, mu_e, X.T @ solve(I, X), acceleration, pivots

@@ -1,0 +1,154 @@
+"""The clamp of joint accelerations: what it allows keeps every limit, and is the most that does."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from ospace.kernels.control import ACCELERATION, POSITION, UNLIMITED, VELOCITY, ceiling, clamp_joints
+from ospace.kernels.kinematics import CONTINUOUS, REVOLUTE
+
+PERIOD = 1e-2
+
+
+def clamp(angle, rate, *, position=(-1.0, 1.0), velocity=0.5, acceleration=2.0, torque=(-3.0, 3.0), inertia=1.0,
+          kind=REVOLUTE, braking=0.8):  # fmt: skip
+    """Bounds on φ̈ of one joint, lower and upper, and which limits they come of."""
+    joints = SimpleNamespace(kind=np.array([0, kind]), first=np.array([0, 7]))
+    w = SimpleNamespace(
+        q=np.r_[np.zeros(7), angle][:, None], velocity=np.r_[np.zeros(6), rate][:, None],
+        generalized_inertia=np.array([[inertia]]),
+    )  # fmt: skip
+    limits = SimpleNamespace(
+        torque=np.array(torque)[:, None], position=np.array(position)[:, None], velocity=np.array([velocity]),
+        acceleration=np.array([acceleration]), reaction=PERIOD, braking=braking,
+    )  # fmt: skip
+    program = SimpleNamespace(lower=np.zeros(1), upper=np.zeros(1), cause=np.zeros((2, 1), dtype=np.int64))
+    clamp_joints(joints, w, limits, program)
+    return program.lower[0], program.upper[0], program.cause[0, 0], program.cause[1, 0]
+
+
+# -- ceiling ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("d", [1e-9, 1e-4, 0.3, 20.0])
+@pytest.mark.parametrize("a", [0.1, 5.0])
+def test_from_the_ceiling_a_stop_within_the_distance_is_just_possible(d, a):
+    """ceiling(d) = √((a h)² + 2 a d) − a h: with the way of one more period, h v, v²/(2 a) + h v = d."""
+    speed = ceiling(d, a, PERIOD)
+    assert speed > 0.0
+    assert speed**2 / (2.0 * a) + PERIOD * speed == pytest.approx(d, rel=1e-12)
+    assert ceiling(-d, a, PERIOD) == -speed
+
+
+def test_at_the_limit_itself_no_speed_is_left():
+    assert ceiling(0.0, 2.0, PERIOD) == 0.0
+    assert ceiling(0.0, 0.0, PERIOD) == 0.0
+
+
+# -- bounds ----------------------------------------------------------------------------------------------------
+
+
+def test_far_from_all_limits_acceleration_bounds():
+    assert clamp(0.0, 0.0) == (-2.0, 2.0, ACCELERATION, ACCELERATION)
+
+
+def test_velocity_limit():
+    """Within one period the rate reaches the limit and no more; from beyond it, it comes back."""
+    low, high, of_low, of_high = clamp(0.0, 0.495)
+    assert (low, of_low) == (-2.0, ACCELERATION)
+    assert 0.495 + PERIOD * high == pytest.approx(0.5, rel=1e-14)
+    assert of_high == VELOCITY
+    low, high, of_low, of_high = clamp(0.0, -0.495)
+    assert (high, of_high) == (2.0, ACCELERATION)
+    assert -0.495 + PERIOD * low == pytest.approx(-0.5, rel=1e-14)
+    assert of_low == VELOCITY
+    assert clamp(0.0, 0.505)[1] == pytest.approx((0.5 - 0.505) / PERIOD)
+    assert clamp(0.0, -0.505)[0] == pytest.approx((-0.5 + 0.505) / PERIOD)
+
+
+def decelerating(braking=0.8, torque=(-3.0, 3.0), inertia=1.0, acceleration=2.0):
+    return min(acceleration, braking * min(torque[1], -torque[0]) / inertia)
+
+
+@pytest.mark.parametrize("rate", [0.0, 0.19, 0.195, 0.2, 0.205])
+def test_position_limit(rate):
+    """The highest rate at the end of the period is the ceiling of the way that is left, both ways round."""
+    way, a = 0.013, decelerating()
+    expected = (ceiling(way - 0.5 * PERIOD * rate, a, PERIOD) - rate) / PERIOD
+    _, high, _, of_high = clamp(1.0 - way, rate)
+    low, _, of_low, _ = clamp(-1.0 + way, -rate)
+    if rate == 0.0:
+        assert (low, high, of_low, of_high) == (-2.0, 2.0, ACCELERATION, ACCELERATION)
+    else:
+        assert abs(expected) < a
+        assert (-low, high) == (pytest.approx(expected, rel=1e-10), pytest.approx(expected, rel=1e-10))
+        assert (of_low, of_high) == (POSITION, POSITION)
+
+
+def test_deceleration_is_what_the_weaker_torque_limit_leaves():
+    for torque in ((-1.0, 3.0), (-3.0, 1.0)):
+        a = decelerating(torque=torque, inertia=4.0)
+        assert a == 0.8 * 1.0 / 4.0
+        rate = 0.05
+        for side in (1.0, -1.0):
+            bounds = clamp(side * 0.993, side * rate, torque=torque, inertia=4.0)
+            expected = (ceiling(0.007 - 0.5 * PERIOD * rate, a, PERIOD) - rate) / PERIOD
+            expected = max(expected, -a)
+            assert bounds[1 if side > 0.0 else 0] == pytest.approx(side * expected, rel=1e-12)
+
+
+def test_outside_of_its_limits_a_joint_is_asked_back_no_harder_than_it_can_brake():
+    a = decelerating(inertia=4.0)
+    low, high, _, of_high = clamp(1.3, 0.0, inertia=4.0)
+    assert (high, of_high) == (-a, POSITION)
+    assert low == -2.0
+    low, high, of_low, _ = clamp(-1.3, 0.0, inertia=4.0)
+    assert (low, of_low) == (a, POSITION)
+    assert high == 2.0
+
+
+def test_outside_and_on_its_way_back_it_is_left_to_its_way():
+    """At −ceiling(way back) nothing more is asked."""
+    a = decelerating()
+    back = ceiling(0.001, a, PERIOD)
+    _, high, _, _ = clamp(1.001 + 0.5 * PERIOD * back, -back)
+    assert high == pytest.approx(0.0, abs=1e-10)
+    low, _, _, _ = clamp(-1.001 - 0.5 * PERIOD * back, back)
+    assert low == pytest.approx(0.0, abs=1e-10)
+
+
+def test_a_continuous_joint_has_no_position_limits():
+    angle = 17.0
+    assert clamp(angle, 0.0, kind=CONTINUOUS) == (-2.0, 2.0, ACCELERATION, ACCELERATION)
+    assert clamp(angle, 0.0)[1] < 0.0
+
+
+def test_without_limits_nothing_bounds():
+    none = UNLIMITED
+    low, high, _, _ = clamp(
+        3.0, 1.0, position=(-none, none), velocity=none, acceleration=none, torque=(-none, none)
+    )
+    assert low <= -none
+    assert high >= none
+
+
+def test_bounds_never_contradict_each_other_nor_the_acceleration_limit():
+    rng = np.random.default_rng(3)
+    for _ in range(3000):
+        low, high, _, _ = clamp(rng.uniform(-2.0, 2.0), rng.normal(), inertia=10.0 ** rng.uniform(-2, 2))
+        assert -2.0 <= low <= high <= 2.0
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_driven_at_the_bound_a_joint_stops_at_its_limit(side):
+    """φ̈ held over each period, always the most that is allowed: the joint arrives, and does not pass."""
+    angle, rate = -side * 0.2, 0.0
+    for _ in range(2000):
+        low, high, _, _ = clamp(angle, rate)
+        push = high if side > 0.0 else low
+        angle, rate = angle + PERIOD * rate + 0.5 * PERIOD**2 * push, rate + PERIOD * push
+        assert side * angle <= 1.0 + 1e-12
+        assert abs(rate) <= 0.5 + 1e-12
+    assert side * angle == pytest.approx(1.0, abs=1e-6)
+    assert abs(rate) < 1e-5
