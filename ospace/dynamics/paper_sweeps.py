@@ -148,4 +148,4 @@ def _rigid_inertia(links: Links, A_T: Floats) -> Floats:
     row, column = np.tril_indices(3)
     about_centre[:, 3 + row, 3 + column] = about_centre[:, 3 + column, 3 + row] = links.inertia
     X = force_transform(A_T, np.einsum("kij,kj->ki", A_T, links.com))
-    return X @ about_centre @ X.transpose(0, 2, 1)
+    return np.asarray(X @ about_centre @ X.transpose(0, 2, 1))

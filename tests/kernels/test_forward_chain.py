@@ -93,7 +93,8 @@ def test_along_its_axis_a_joint_passes_on_what_its_drive_holds_and_no_rounding(r
             I = 1e8 * positive(rng)
             L, I_L, beta = kernel.propagate(I, S, armature)
             np.testing.assert_allclose(S @ L, armature / beta * S, rtol=1e-14, atol=0)
-            assert S @ I_L @ S == pytest.approx(armature * (S @ I @ S) / beta, rel=1e-12, abs=0.0)
+            passed = S @ I_L @ S
+            assert passed == pytest.approx(armature * (S @ I @ S) / beta, rel=1e-12, abs=0.0)
     S = along_anything(rng)
     L, _, _ = kernel.propagate(1e8 * positive(rng), S, 0.0)
     assert np.abs(S @ L).max() < 1e-15
@@ -104,9 +105,7 @@ def test_relative_pivot():
     ball = np.diag([2.0, 2.0, 2.0, 5.0, 5.0, 5.0])
     S = np.array([[0, 0, 1.0, 0, 0, 0], [0, 0, 0, 0, 0, 1.0], [0, 0, 3.0, 0, 0, 1.0]])
     beta = np.array([2.0, 5.0, 18.0 + 5.0])
-    np.testing.assert_allclose(
-        kernel.relative_pivot(beta, S, np.array([ball] * 3)), [1 / 3, 1 / 3, 1 / 3], rtol=1e-14
-    )
+    np.testing.assert_allclose(kernel.relative_pivot(beta, S, np.array([ball] * 3)), [1 / 3, 1 / 3, 1 / 3], rtol=1e-14)
     assert kernel.relative_pivot(0.0, S[:1], np.zeros((1, 6, 6))) == 0.0
 
 

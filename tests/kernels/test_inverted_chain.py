@@ -23,7 +23,8 @@ def state(request):
 
 def every_link(robot):
     offset = pin.SE3(pin.exp3(np.array([0.3, 0.1, -0.2])), np.array([0.1, -0.2, 0.3]))
-    return [robot.point(name, offset=offset) for name in ("base", *(f"link_{k}" for k in range(robot.model.njoints - 2)))]
+    names = ["base", *(f"link_{k}" for k in range(robot.model.njoints - 2))]
+    return [robot.point(name, offset=offset) for name in names]
 
 
 def test_inverted_chain_against_the_dense_forms(state):

@@ -126,9 +126,7 @@ def test_a_continuous_joint_has_no_position_limits():
 
 def test_without_limits_nothing_bounds():
     none = UNLIMITED
-    low, high, _, _ = clamp(
-        3.0, 1.0, position=(-none, none), velocity=none, acceleration=none, torque=(-none, none)
-    )
+    low, high, _, _ = clamp(3.0, 1.0, position=(-none, none), velocity=none, acceleration=none, torque=(-none, none))
     assert low <= -none
     assert high >= none
 
