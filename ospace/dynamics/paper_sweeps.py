@@ -129,7 +129,7 @@ def turn_z_to(axis: Floats) -> Floats:
 
 def _rotate(R: Floats, motions: Floats) -> Floats:
     """Turn both parts of motions (k, 6) by R (k, 3, 3)."""
-    return np.einsum("kij,ksj->ksi", R, motions.reshape(-1, 2, 3)).reshape(-1, 6)
+    return np.asarray(np.einsum("kij,ksj->ksi", R, motions.reshape(-1, 2, 3)).reshape(-1, 6))
 
 
 def _rotations(placements: Sequence[pin.SE3]) -> Floats:

@@ -159,7 +159,7 @@ def test_links_in_the_papers_frames(state):
     motions = np.array([np.linalg.solve(X.T, S) for X, S in zip(to_base[1:], chain.S[1:], strict=True)])
     close(motions, columns, 1e-12)
     bodies = sum(X @ I @ X.T for X, I in zip(to_base, chain.I, strict=True))
-    close(bodies, Dense(state, []).H[:6, :6], 1e-12)
+    close(bodies, Dense(state, [robot.point("base")]).H[:6, :6], 1e-12)
 
 
 def test_one_column_joints_turn_about_the_third_axis_exactly(state):
