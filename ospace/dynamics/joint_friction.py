@@ -42,7 +42,7 @@ class JointFriction:
         model = robot.model
         if hasattr(model, "upperDryFrictionLimit"):
             backward, forward = -model.lowerDryFrictionLimit[6:], np.array(model.upperDryFrictionLimit[6:])
-        else:  # Pinocchio before 3.5
+        else:  # an older Pinocchio
             backward = forward = np.array(model.friction[6:])
         made = cls(np.array(model.damping[6:]), np.array([backward, forward]))
         for what, values in (("damping", made.damping), ("friction", backward), ("friction", forward)):
