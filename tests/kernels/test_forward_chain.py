@@ -162,6 +162,18 @@ def test_links_in_the_papers_frames(state):
     close(bodies, Dense(state, [robot.point("base")]).H[:6, :6], 1e-12)
 
 
+def test_passing_inward_collects_the_composite_inertia_as_well(state):
+    """At the base it is H_b; each joint moves what is composed beyond it."""
+    base = state.robot.point("base")
+    chain, _ = paper_sweeps.paper_frames(state, point_set(state.robot, base))
+    body = kernel.links_alone(chain)
+    for i in range(len(chain.parent) - 1, 0, -1):
+        kernel.pass_inward(chain, body, i)
+    T = np.kron(np.eye(2), state.T_WB.rotation)
+    close(T @ body.IC[0] @ T.T, Dense(state, [base]).H[:6, :6], 1e-12)
+    np.testing.assert_array_equal(body.moved[1:], body.IC[1:])
+
+
 def test_one_column_joints_turn_about_the_third_axis_exactly(state):
     robot = state.robot
     chain, _ = paper_sweeps.paper_frames(state, point_set(robot, robot.point("base")))

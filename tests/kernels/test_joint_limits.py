@@ -11,9 +11,24 @@ from ospace.kernels.kinematics import CONTINUOUS, REVOLUTE
 PERIOD = 1e-2
 
 
-def clamp(angle, rate, *, position=(-1.0, 1.0), velocity=0.5, acceleration=2.0, torque=(-3.0, 3.0), inertia=1.0,
-          kind=REVOLUTE, braking=0.8):  # fmt: skip
+def clamp(angle, rate, **settings):
     """Bounds on φ̈ of one joint, lower and upper, and which limits they come of."""
+    return clamp_and_measure(angle, rate, **settings)[:4]
+
+
+def clamp_and_measure(
+    angle,
+    rate,
+    *,
+    position=(-1.0, 1.0),
+    velocity=0.5,
+    acceleration=2.0,
+    torque=(-3.0, 3.0),
+    inertia=1.0,
+    kind=REVOLUTE,
+    braking=0.8,
+):
+    """Likewise; and by how much the joint is outside its position limits, by itself and as the largest of all."""
     joints = SimpleNamespace(kind=np.array([0, kind]), first=np.array([0, 7]))
     w = SimpleNamespace(
         q=np.r_[np.zeros(7), angle][:, None], velocity=np.r_[np.zeros(6), rate][:, None],
@@ -24,8 +39,9 @@ def clamp(angle, rate, *, position=(-1.0, 1.0), velocity=0.5, acceleration=2.0, 
         acceleration=np.array([acceleration]), reaction=PERIOD, braking=braking,
     )  # fmt: skip
     program = SimpleNamespace(lower=np.zeros(1), upper=np.zeros(1), cause=np.zeros((2, 1), dtype=np.int64))
-    clamp_joints(joints, w, limits, program)
-    return program.lower[0], program.upper[0], program.cause[0, 0], program.cause[1, 0]
+    outside = np.full(1, np.nan)
+    farthest = clamp_joints(joints, w, limits, program, outside)
+    return program.lower[0], program.upper[0], program.cause[0, 0], program.cause[1, 0], outside[0], farthest
 
 
 # -- ceiling ---------------------------------------------------------------------------------------------------
@@ -122,6 +138,44 @@ def test_a_continuous_joint_has_no_position_limits():
     angle = 17.0
     assert clamp(angle, 0.0, kind=CONTINUOUS) == (-2.0, 2.0, ACCELERATION, ACCELERATION)
     assert clamp(angle, 0.0)[1] < 0.0
+
+
+def test_how_far_outside_a_joint_is():
+    for angle, way in ((0.5, 0.0), (1.0, 0.0), (-1.0, 0.0), (1.25, 0.25), (-1.5, 0.5)):
+        assert clamp_and_measure(angle, 0.3)[4:] == (way, way)
+        assert clamp_and_measure(angle, 0.3, torque=(0.0, 0.0))[4:] == (way, way)
+    assert clamp_and_measure(1.25, 0.0, kind=CONTINUOUS)[4:] == (0.0, 0.0)
+
+
+def test_a_joint_without_a_drive_has_no_bounds():
+    assert clamp(1.3, 0.7, torque=(0.0, 0.0))[:2] == (-UNLIMITED, UNLIMITED)
+
+
+def several(angles, rates):
+    """Two joints of which the second has twice the velocity limit: lower, upper, outside, the largest of all."""
+    n = len(angles)
+    joints = SimpleNamespace(kind=np.zeros(n + 1, dtype=int), first=np.arange(6, 7 + n))
+    w = SimpleNamespace(
+        q=np.r_[np.zeros(7), angles][:, None], velocity=np.r_[np.zeros(6), rates][:, None],
+        generalized_inertia=np.diag([1.0, 4.0]),
+    )  # fmt: skip
+    limits = SimpleNamespace(
+        torque=np.array([[-3.0] * n, [3.0] * n]), position=np.array([[-1.0] * n, [1.0] * n]),
+        velocity=np.array([0.5, 1.0]), acceleration=np.full(n, 2.0), reaction=PERIOD, braking=0.8,
+    )  # fmt: skip
+    program = SimpleNamespace(lower=np.zeros(n), upper=np.zeros(n), cause=np.zeros((2, n), dtype=np.int64))
+    outside = np.full(n, np.nan)
+    return program.lower, program.upper, outside, clamp_joints(joints, w, limits, program, outside)
+
+
+def test_each_joint_is_clamped_by_its_own_numbers():
+    angles, rates = (-1.02, 0.999), (0.1, 0.03)
+    lower, upper, outside, farthest = several(angles, rates)
+    one = clamp_and_measure(angles[0], rates[0])
+    two = clamp_and_measure(angles[1], rates[1], velocity=1.0, inertia=4.0)
+    for j, alone in enumerate((one, two)):
+        assert (lower[j], upper[j], outside[j]) == (alone[0], alone[1], alone[4])
+    assert farthest == one[5] == pytest.approx(0.02)
 
 
 def test_without_limits_nothing_bounds():
