@@ -219,8 +219,8 @@ def test_a_phase_that_does_not_complete(made):
     assert run.duration == pytest.approx(0.45)
 
 
-def test_a_grasp_out_of_reach(made):
-    text = SHORT.replace("[control]", '[target]\nmodel = "target"\nposition = [9, 0, 0]\n[control]')
+def test_a_grasp_where_the_hand_did_not_go(made):
+    text = SHORT.replace("[control]", '[target]\nmodel = "target"\nposition = [2.5, 0, 0]\n[control]')
     run = scenario.run(
         made(text.replace("[[phase.task]]", 'grasp = {hand = "end_effector", fixture = "grapple"}\n[[phase.task]]'))
     )
