@@ -30,7 +30,8 @@ class Dense:
     """
 
     def __init__(self, state: State, points: Sequence[OperationalPoint]) -> None:
-        self.state, self.points = state, point_set(state.robot, points).points
+        self.state = state
+        self.points = point_set(state.robot, points).points if points else ()  # H needs none
         self._model = state.robot.model
         self._q, self._v = state.beside_base()
         self.T = np.eye(state.robot.nv)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ospace.kernels.tables import Floats
-from ospace.urdf.description import Description, Inertial, Joint, Link, Pose
+from ospace.urdf.description import Description, Inertial, Joint, Link, Pose, Triple
 
 
 @dataclass
@@ -34,6 +34,8 @@ class Body:
         Σ m c² + |I| over its links, what rounding of the tensor is measured by. kg m².
     weighed : list of Link
         Its links that have an <inertial>.
+    placed : dict of link name to rotation (3, 3) and translation (3,)
+        All its links in its frame. m.
     """
 
     link: Link
@@ -46,6 +48,7 @@ class Body:
     tensor: Floats = field(default_factory=lambda: np.zeros((3, 3)))
     size: float = 0.0
     weighed: list[Link] = field(default_factory=list)
+    placed: dict[str, tuple[Floats, Floats]] = field(default_factory=dict)
 
     @property
     def subject(self) -> str:
@@ -81,6 +84,23 @@ def placement(pose: Pose) -> tuple[Floats, Floats]:
     return np.array(rotation), np.array(pose.xyz)
 
 
+def rpy_of(quaternion: tuple[float, ...]) -> Triple:
+    """Return roll, pitch and yaw of a quaternion (x, y, z, w), whose length need not be one.
+
+    Yaw is taken after the roll is turned back: where the pitch is 90 deg and the two are one turn, they add up to it.
+    """
+    length = math.hypot(*quaternion)
+    x, y, z, w = (value / length for value in quaternion)
+    roll = math.atan2(2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y))
+    s, c = math.sin(roll), math.cos(roll)
+    level = 2.0 * s * (y * z + w * x) + c * (1.0 - 2.0 * (x * x + y * y))
+    yaw = math.atan2(
+        2.0 * s * (x * z + w * y) - 2.0 * c * (x * y - w * z),
+        c * (1.0 - 2.0 * (x * x + z * z)) - 2.0 * s * (y * z - w * x),
+    )
+    return roll, math.atan2(2.0 * (w * y - x * z), level), yaw
+
+
 def tensor_of(inertial: Inertial) -> Floats:
     """Return the tensor as a matrix, in the axes of the <inertial>."""
     xx, xy, xz, yy, yz, zz = inertial.tensor
@@ -108,6 +128,7 @@ def link_places(description: Description) -> tuple[list[Body], dict[str, tuple[i
             bodies.append(Body(description.link[joint.child], joint, number, turn, shift))
     for name, (number, R, p) in at.items():
         link = description.link[name]
+        bodies[number].placed[name] = R, p
         if link.inertial is not None:
             bodies[number].add(link, link.inertial, R, p)
     return bodies, at

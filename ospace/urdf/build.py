@@ -34,16 +34,40 @@ def build(path: Path, description: Description) -> tuple[pin.Model, list[Finding
     UrdfError
         Pinocchio rejects it.
     """
+    model, errors = _parsed(to_xml(description), _unused_name(description))
+    if model is None:
+        raise UrdfError(path, f"Pinocchio rejects it: {'; '.join(errors)}", "rejected")
+    return model, [found("parser-error", "file", f"Pinocchio's parser says: {error}") for error in errors]
+
+
+def as_it_stands(content: bytes, description: Description, *, has_free_flyer: bool) -> tuple[pin.Model | None, str]:
+    """Return what Pinocchio makes of the file itself, None where it rejects it, and what its parser wrote to stderr.
+
+    Parameters
+    ----------
+    content : bytes
+        Of a file whose links are one tree: on others the parser may not come back.
+    description : Description
+        All links and joints of the file.
+    has_free_flyer : bool
+        Whether the file has a floating joint for the base.
+    """
+    model, errors = _parsed(content.decode("utf-8-sig"), None if has_free_flyer else _unused_name(description))
+    return model, "; ".join(errors)
+
+
+def _parsed(xml: str, base: str | None) -> tuple[pin.Model | None, list[str]]:
+    """Let Pinocchio's parser read; return the model with limits that may be infinite, and the errors it wrote."""
     model, reason = None, ""
-    xml, base = to_xml(description), _unused_name(description)
+    free_flyer = () if base is None else (pin.JointModelFreeFlyer(), base)
     with _ALONE, _captured_stderr() as said:
         try:
-            model = _on_large_stack(lambda: pin.buildModelFromXML(xml, pin.JointModelFreeFlyer(), base))
+            model = _on_large_stack(lambda: pin.buildModelFromXML(xml, *free_flyer))
         except (ValueError, RuntimeError) as error:
             reason = " ".join(str(error).split())
     errors = [" ".join(line.split()).removeprefix("Error: ") for line in said if line.strip().startswith("Error")]
     if model is None:
-        raise UrdfError(path, f"Pinocchio rejects it: {'; '.join(errors) or reason}", "rejected")
+        return None, errors or [reason]
     for limits in (
         model.lowerPositionLimit[_BASE_NQ:],
         model.upperPositionLimit[_BASE_NQ:],
@@ -51,7 +75,7 @@ def build(path: Path, description: Description) -> tuple[pin.Model, list[Finding
         model.velocityLimit[_BASE_NV:],
     ):
         limits[np.abs(limits) == _LARGEST] *= np.inf
-    return model, [found("parser-error", "file", f"Pinocchio's parser says: {error}") for error in errors]
+    return model, errors
 
 
 def to_xml(description: Description) -> str:

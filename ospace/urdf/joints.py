@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from ospace.exceptions import closest
-from ospace.urdf.description import Description, Joint, Mimic
+from ospace.urdf.description import Description, Joint, Limit, Mimic
 from ospace.urdf.findings import Finding, found
 
 _LIMITED = ("revolute", "prismatic")
@@ -38,6 +38,9 @@ def _limits(joint: Joint) -> Iterator[Finding]:
         if joint.kind in _LIMITED:
             message = f"{joint.kind} joint without <limit>, read as unlimited"
             yield found("limits-missing", joint.subject, message, line=joint.line)
+        elif joint.kind == "continuous":
+            message = "continuous joint without <limit>, its effort and velocity read as unlimited"
+            yield found("limits-missing", joint.subject, message, line=joint.line, severity="info")
         return
     text = f"{limit.lower:g} to {limit.upper:g}"
     if limit.lower > limit.upper:
@@ -45,6 +48,7 @@ def _limits(joint: Joint) -> Iterator[Finding]:
     elif limit.lower == limit.upper:
         message = f"limits {text} leave no room to move"
         yield found("limits-zero", joint.subject, message, line=limit.line, value=text)
+    yield from _zero(joint, limit)
     if joint.kind == "revolute" and any(_TWO_TURNS < abs(x) < _UNLIMITED for x in (limit.lower, limit.upper)):
         message = f"limits {text} rad are more than two turns from zero: are they in degrees?"
         yield found("units-angle", joint.subject, message, line=limit.line, value=text)
@@ -57,7 +61,16 @@ def _limits(joint: Joint) -> Iterator[Finding]:
         ("effort-negative", "is negative", [name for name in sizes if sizes[name] < 0.0]),
     ):
         if named:
-            yield found(code, joint.subject, f"limit of {' and '.join(named)} {what}", line=limit.line)
+            drive = ": the joint has no drive" if code == "effort-zero" and "effort" in named else ""
+            yield found(code, joint.subject, f"limit of {' and '.join(named)} {what}{drive}", line=limit.line)
+
+
+def _zero(joint: Joint, limit: Limit) -> Iterator[Finding]:
+    excess = max(limit.lower, -limit.upper)
+    if limit.lower <= limit.upper and excess > _ROUNDING:
+        size = f"{excess:.3g} m" if joint.kind == "prismatic" else f"{excess:.3g} rad ({math.degrees(excess):.3g} deg)"
+        message = f"zero lies {size} outside its limits {limit.lower:g} to {limit.upper:g}"
+        yield found("zero-outside-limits", joint.subject, message, line=limit.line, value=f"{excess:.6g}")
 
 
 def _mimic(description: Description, joint: Joint, mimic: Mimic, *, free_mimic: bool) -> Finding:

@@ -13,9 +13,11 @@ from typing import Literal, cast
 from lxml import etree
 
 from ospace.exceptions import closest
+from ospace.urdf.bodies import rpy_of
 from ospace.urdf.codes import Severity
-from ospace.urdf.description import Colour, Description, Inertial, Joint, Limit, Link, Mimic, Pose, Shape, Triple
+from ospace.urdf.description import ZERO, Colour, Description, Inertial, Joint, Limit, Link, Mimic, Pose, Shape, Triple
 from ospace.urdf.findings import Finding, found
+from ospace.urdf.foreign import dynamics_in, speaks_of_dynamics
 from ospace.urdf.numbers import (
     LARGEST,
     LIGHTEST,
@@ -30,9 +32,12 @@ from ospace.urdf.numbers import (
 from ospace.urdf.source import LEFT_ALONE, line_of
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
-AXIS_TOO_SHORT, AXIS_OFF_UNIT = 1e-6, 1e-3
+TOO_SHORT, OFF_UNIT = 1e-6, 1e-3
+"""Length of an axis or quaternion below which it has no direction, and how far from one it may be without a word."""
 TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-_POSE = ("xyz", "rpy")
+_TRANSPOSED = {"iyx": "ixy", "izx": "ixz", "izy": "iyz"}
+_SYMMETRIC = 1e-6  # of the tensor's largest number: products may differ by that much in digits that were lost
+_VERSIONS = ("1.0", "1.1", "1.2")
 SCHEMA: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "robot": (("name", "version"), ("link", "joint", "material")),
     "link": (("name",), ("inertial", "visual", "collision")),
@@ -54,7 +59,7 @@ SCHEMA: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         ("name", "type"),
         ("origin", "parent", "child", "axis", "calibration", "dynamics", "limit", "mimic", "safety_controller"),
     ),
-    "origin": (_POSE, ()),
+    "origin": (("xyz", "rpy", "quat_xyzw"), ()),
     "parent": (("link",), ()),
     "child": (("link",), ()),
     "axis": (("xyz",), ()),
@@ -65,6 +70,7 @@ SCHEMA: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "safety_controller": (("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"), ()),
 }
 """Attributes and elements that each element of URDF may have."""
+_DRAWN = {"visual", "collision", "geometry", "material"}
 _BODIES = {"link", "joint", "inertial"}  # with one of these that is not read, the robot is another
 _DYNAMIC = {
     name
@@ -73,7 +79,10 @@ _DYNAMIC = {
     for name in (tag, *SCHEMA[tag][0])
     if name not in ("name", "type")
 }
+_MOVING = {"inertial", "origin", "mass", "inertia", "axis", "limit", "dynamics", "mimic", "parent", "child"}
+"""Elements that place, weigh, move or limit a body: what is not used of them is never told as an info only."""
 _TOLD, _SHOWN = 200, 40  # findings of one kind, characters of a text
+_SHORT = 4  # characters
 _SLIP = 2  # characters by which a misspelt name may be longer or shorter
 _SEVERAL = {"link", "joint", "material", "visual", "collision"}
 
@@ -82,12 +91,18 @@ def parse(root: etree._Element, file_name: str) -> tuple[Description, list[Findi
     """Read links and joints below <robot>, which is called as its file where it has no name."""
     reader = _Reader()
     name = reader.name(root, file_name)
+    reader.version(root)
     reader.look_at(root, deep=False)
     for element in root.iterfind("material"):
         reader.material(element)
     links = tuple(reader.link(element) for element in root.iterfind("link"))
     joints = tuple(reader.joint(element) for element in root.iterfind("joint"))
     return Description(name, links, joints), [*reader.findings, *reader.untold()]
+
+
+def has_quaternions(root: etree._Element) -> bool:
+    """Whether the version of URDF that <robot> declares knows quaternions, as 1.1 and all later ones do."""
+    return root.get("version", _VERSIONS[0]) != _VERSIONS[0]
 
 
 class _Reader:
@@ -98,6 +113,7 @@ class _Reader:
         self.count: Counter[str] = Counter()
         self.errors = 0
         self.colours: dict[str, Colour] = {}
+        self.quaternions = True
         self.subject = "file"
         self.code = ""
 
@@ -108,6 +124,14 @@ class _Reader:
             return name
         self._add("no-robot-name", f"<robot> has no name, taken as '{file_name}'", root)
         return file_name
+
+    def version(self, root: etree._Element) -> None:
+        """Note whether this version of URDF has quaternions."""
+        version = root.get("version", _VERSIONS[0])
+        self.quaternions = has_quaternions(root)
+        if version not in _VERSIONS:
+            message = f"version '{version}' of <robot> is unknown, read as {_VERSIONS[-1]}"
+            self._add("unknown-version", message, root, version)
 
     # -- links -----------------------------------------------------------------------------------------------
 
@@ -128,11 +152,27 @@ class _Reader:
             return None
         before = self.errors
         tensor = [self._scalar(inertia, key, largest=LARGEST, smallest=SMALLEST) for key in TENSOR]
+        self._transposed(inertia, dict(zip(TENSOR, tensor, strict=True)))
         pose, value = self._pose(element), self._scalar(mass, "value", largest=LARGEST, smallest=LIGHTEST)
         if self.errors > before:
             return None
         xx, xy, xz, yy, yz, zz = tensor
         return Inertial(line_of(element), pose, value, (xx, xy, xz, yy, yz, zz))
+
+    def _transposed(self, inertia: etree._Element, tensor: dict[str, float]) -> None:
+        """Compare products that are written a second time, with their indices swapped."""
+        for key, of in _TRANSPOSED.items():
+            if key not in inertia.attrib:
+                continue
+            value, given = self._scalar(inertia, key), inertia.get(key)
+            if math.isnan(value - tensor[of]):
+                continue
+            if abs(value - tensor[of]) > _SYMMETRIC * max(map(abs, tensor.values())):
+                message = f"{key}='{given}' of <inertia> is not {of}='{inertia.get(of)}': the tensor is not symmetric"
+                self._add("inertia-asymmetric", message, inertia, given)
+            else:
+                message = f"<inertia> has '{key}' as well, which equals '{of}'"
+                self._add("unknown-attribute", message, inertia, key, "info")
 
     def _shapes(self, link: etree._Element) -> Iterator[Shape]:
         self.code = "visual-unreadable"
@@ -196,6 +236,7 @@ class _Reader:
         if kind not in KINDS:
             what = f"type '{kind}' is unknown" if kind else "has no type"
             self._add("joint-type", f"{what}{closest(kind, KINDS) if kind else ''}", element, kind)
+        self._look_at_unused_numbers(element)
         ends = [element.find(end) for end in ("parent", "child")]
         parent, child = ("" if end is None else end.get("link", "") for end in ends)
         return Joint(
@@ -207,7 +248,7 @@ class _Reader:
             self._pose(element),
             self._axis(element, kind),
             self._limit(element, kind),
-            *self._dynamics(element),
+            *self._dynamics(element, kind),
             self._mimic(element),
         )
 
@@ -220,31 +261,53 @@ class _Reader:
         if self.errors > before:
             return given
         length = math.hypot(*given)
-        if length < AXIS_TOO_SHORT:
+        if length < TOO_SHORT:
             self._add("axis-zero", f"its axis '{text}' has no length", axis, text)
             return given
-        if abs(length - 1.0) > AXIS_OFF_UNIT:
+        if abs(length - 1.0) > OFF_UNIT:
             self._add("axis-not-unit", f"its axis '{text}' has length {length:.6g}", axis, text)
         return given if length == 1.0 else (given[0] / length, given[1] / length, given[2] / length)
 
     def _limit(self, joint: etree._Element, kind: str) -> Limit | None:
         limit = joint.find("limit")
-        if limit is None or kind in ("fixed", "floating", "planar"):
+        if limit is None or kind == "fixed":
+            return None
+        if kind in ("floating", "planar"):
+            self._add("value-not-used", f"<limit> of a {kind} joint is not used", limit)
             return None
         lower, upper = self._scalar(limit, "lower", 0.0), self._scalar(limit, "upper", 0.0)
+        unused = [key for key in ("acceleration", "deceleration", "jerk") if key in limit.attrib]
         if kind == "continuous":
+            if (lower, upper) != (0.0, 0.0):  # which exporters write for none
+                unused += [key for key in ("lower", "upper") if key in limit.attrib]
             lower, upper = -math.inf, math.inf
+        if unused:
+            message = f"{', '.join(unused)} of <limit> {'is' if len(unused) == 1 else 'are'} not used"
+            self._add("value-not-used", f"{message} with a {kind} joint", limit)
         missing = [key for key in ("effort", "velocity") if key not in limit.attrib]
         if missing:
             self._add("effort-missing", f"<limit> has no {' and no '.join(missing)}, read as unlimited", limit)
         effort, velocity = (self._scalar(limit, key, math.inf) for key in ("effort", "velocity"))
         return Limit(line_of(limit), *map(_or_none, (lower, upper, effort, velocity)))
 
-    def _dynamics(self, joint: etree._Element) -> tuple[float, float]:
+    def _dynamics(self, joint: etree._Element, kind: str) -> tuple[float, float]:
         dynamics = joint.find("dynamics")
         if dynamics is None:
             return 0.0, 0.0
-        return self._scalar(dynamics, "damping", 0.0), self._scalar(dynamics, "friction", 0.0)
+        damping, friction = (self._scalar(dynamics, key, 0.0) for key in ("damping", "friction"))
+        if kind in ("floating", "planar") and (damping or friction):
+            self._add("value-not-used", f"<dynamics> of a {kind} joint is not used", dynamics)
+        return damping, friction
+
+    def _look_at_unused_numbers(self, joint: etree._Element) -> None:
+        """Tell of numbers that ospace does not need and other readers stumble over."""
+        for element in joint.iterchildren("safety_controller", "calibration"):
+            for key in SCHEMA[_tag(element)][0]:
+                try:
+                    number(element.get(key, "0"))
+                except NumberError as error:
+                    message = f"{key}='{element.get(key)}' of <{_tag(element)}>, which is not used, {error}"
+                    self._add(self.code, message, element, element.get(key), "warning")
 
     def _mimic(self, joint: etree._Element) -> Mimic | None:
         mimic = joint.find("mimic")
@@ -259,7 +322,32 @@ class _Reader:
         origin = above.find("origin")
         if origin is None:
             return Pose()
-        return Pose(self._vector(origin, "xyz", (0.0, 0.0, 0.0)), self._vector(origin, "rpy", (0.0, 0.0, 0.0)))
+        return Pose(self._vector(origin, "xyz", ZERO), self._orientation(origin))
+
+    def _orientation(self, origin: etree._Element) -> Triple:
+        """Return roll, pitch and yaw, which URDF 1.1 and later may write as a quaternion."""
+        text = origin.get("quat_xyzw")
+        rpy = self._vector(origin, "rpy", ZERO)
+        if text is None:
+            return rpy
+        if "rpy" in origin.attrib:
+            message = f"<origin> has two orientations, rpy='{origin.get('rpy')}' and quat_xyzw='{text}'"
+            self._add("two-orientations", message, origin, text)
+            return rpy
+        quaternion = self._tuple(origin, "quat_xyzw", 4)
+        if quaternion is None:
+            return rpy
+        length = math.hypot(*quaternion)
+        if length < TOO_SHORT:
+            self._add(self.code, f"quat_xyzw='{text}' of <origin> has no length", origin, text)
+            return rpy
+        if not self.quaternions:
+            message = f"quat_xyzw='{text}' of <origin> is not used: the file is URDF 1.0, which has none"
+            self._add("quaternion-ignored", message, origin, text)
+            return rpy
+        if abs(length - 1.0) > OFF_UNIT:
+            self._add("quaternion-not-unit", f"quat_xyzw='{text}' of <origin> has length {length:.6g}", origin, text)
+        return rpy_of(quaternion)
 
     def _scalar(
         self,
@@ -291,10 +379,14 @@ class _Reader:
         return (x, y, z)
 
     def _numbers(self, element: etree._Element, key: str, count: int) -> tuple[float, ...]:
+        return self._tuple(element, key, count) or (0.0,) * count
+
+    def _tuple(self, element: etree._Element, key: str, count: int) -> tuple[float, ...] | None:
+        """Read so many numbers; None, and a finding, where they are not there or cannot be read."""
         text = element.get(key)
         if text is None:
             self._add(self.code, f"<{_tag(element)}> has no {key}", element)
-            return (0.0,) * count
+            return None
         if has_space_around(text) and words(text):
             message = f"{key}='{text}' of <{_tag(element)}> has white space around the numbers"
             self._add("number-spaces", message, element, text, "info")
@@ -302,7 +394,7 @@ class _Reader:
             return numbers(text, count, LARGEST)
         except NumberError as error:
             self._unreadable(element, key, text, error)
-            return (0.0,) * count
+            return None
 
     def _unreadable(self, element: etree._Element, key: str, text: str, error: NumberError) -> None:
         out_of_range = isinstance(error, RangeError) and self.code != "visual-unreadable"
@@ -318,10 +410,7 @@ class _Reader:
         tag = _tag(element)
         attributes, children = SCHEMA[tag]
         for key in map(str, element.attrib):
-            if key not in attributes and not key.startswith("{"):
-                self._unknown(
-                    "unknown-attribute", f"<{tag}> has the unknown attribute '{key}'", key, attributes, element
-                )
+            self._look_at_attribute(element, key, attributes)
         self._look_at_text(element)
         seen: set[str] = set()
         for child in element.iterchildren(etree.Element):
@@ -330,12 +419,18 @@ class _Reader:
                 self._look_at_foreign(element, child)
                 continue
             if name in seen and name not in _SEVERAL:
-                drawn = tag in ("visual", "collision", "geometry", "material")
                 message = f"<{tag}> has a second <{name}>"
-                self._add("duplicate-element", message, child, severity="warning" if drawn else None)
+                self._add("duplicate-element", message, child, severity="warning" if tag in _DRAWN else None)
             seen.add(name)
             if deep:
                 self.look_at(child)
+
+    def _look_at_attribute(self, element: etree._Element, key: str, known: Iterable[str]) -> None:
+        tag, name = _tag(element), etree.QName(key).localname
+        if key in known or (tag == "inertia" and key in _TRANSPOSED):
+            return
+        if key == name or tag in _MOVING or speaks_of_dynamics(name):
+            self._unknown("unknown-attribute", f"<{tag}> has the unknown attribute '{name}'", name, tag, element)
 
     def _look_at_text(self, element: etree._Element) -> None:
         for text in (element.text, *(child.tail for child in element)):
@@ -344,24 +439,50 @@ class _Reader:
                 self._add("stray-text", f"<{_tag(element)}> has the text '{shown}'", element, shown)
 
     def _look_at_foreign(self, above: etree._Element, element: etree._Element) -> None:
-        name = _tag(element)
-        what = f"<{_tag(above)}> has the unknown element <{_local(element)}>"
+        name, tag = _tag(element), _tag(above)
+        what = f"<{tag}> has the unknown element <{_local(element)}>"
         if name in LEFT_ALONE:
-            return
-        if _local(element) == "include":
+            self._look_at_dynamics(element, of_robot=False)
+        elif _local(element) == "include":
             self._add("unknown-element", f"{what}: no other file is drawn in", element, name, "error")
         elif any(_local(one).lower() in _BODIES for one in element.iter(etree.Element)):
             parts = "" if _local(element).lower() in _BODIES else " with links, joints or inertials in it"
             self._add("unknown-element", f"{what}{parts}, which is not read", element, name, "error")
-        elif above.tag != "geometry" and not name.startswith("{"):  # shapes are looked at where they are read
-            self._unknown("unknown-element", what, name, SCHEMA[_tag(above)][1], element)
+        elif (
+            tag not in _DRAWN
+            and not self._near("unknown-element", name, tag)
+            and self._look_at_dynamics(element, of_robot=True)
+        ):
+            return
+        elif tag in _MOVING or not (tag == "geometry" or name.startswith("{")):  # shapes are looked at where read
+            self._unknown("unknown-element", what, _local(element), tag, element)
 
-    def _unknown(self, code: str, what: str, name: str, known: Iterable[str], element: etree._Element) -> None:
+    def _look_at_dynamics(self, element: etree._Element, *, of_robot: bool) -> bool:
+        """Tell what of dynamics stands in an element that is not read, if anything does."""
+        named = dynamics_in(element, of_robot=of_robot)
+        if named:
+            whose = f" '{element.get('name')}'" if element.get("name") else ""
+            message = f"{named} of <{_local(element)}>{whose} is not used"
+            if named == f"<{_local(element)}>":
+                message = f"{named}{whose} is not used"
+            self._add("dynamics-not-used", message, element, _local(element))
+        return bool(named)
+
+    def _unknown(self, code: str, what: str, name: str, tag: str, element: etree._Element) -> None:
         """Take a name that URDF has elsewhere, or that is near to one it has here, for a slip; others are foreign."""
-        near = difflib.get_close_matches(name[:100].lower(), known, n=1) if self.count[code] < _TOLD else []
-        near = [one for one in near if abs(len(one) - len(name)) <= _SLIP]
-        message = f"{what}; did you mean '{near[0]}'?" if near else what
-        self._add(code, message, element, name, None if near or name.lower() in _DYNAMIC else "info")
+        near = self._near(code, name, tag)
+        message = f"{what}; did you mean '{near}'?" if near else what
+        grave = near or tag in _MOVING or name.lower() in _DYNAMIC or speaks_of_dynamics(name)
+        self._add(code, message, element, name, None if grave else "info")
+
+    def _near(self, code: str, name: str, tag: str) -> str:
+        """Return what of <tag> is misspelt as `name`, if anything; letters enough of a long name are in any other."""
+        if self.count[code] >= _TOLD:
+            return ""
+        known = SCHEMA[tag][0 if code == "unknown-attribute" else 1]
+        cutoff = 0.6 if len(name) <= _SHORT else 0.75
+        near = difflib.get_close_matches(name[:100].lower(), known, n=1, cutoff=cutoff)
+        return near[0] if near and abs(len(near[0]) - len(name)) <= _SLIP else ""
 
     def _add(
         self,

@@ -11,11 +11,13 @@ import pinocchio as pin
 from ospace.exceptions import printable
 from ospace.urdf import inertia, joints, meshes, parity, plausibility, source, structure
 from ospace.urdf.bodies import bodies_of
-from ospace.urdf.build import build
+from ospace.urdf.build import as_it_stands, build
 from ospace.urdf.description import Description
 from ospace.urdf.findings import Finding, any_error, gravest_first
 from ospace.urdf.parse import parse
 from ospace.urdf.source import Limits
+
+_NO_INERTIAL = {"inertial-unreadable", "number-range", "two-orientations", "inertia-asymmetric"}
 
 
 @dataclass(frozen=True)
@@ -74,14 +76,14 @@ def of_content(
     source.check_format(path, root)
     structure.check_size(path, root, limits)
     description, findings = parse(root, printable(path.stem))
-    description = structure.ordered(path, description, limits)
-    description, of_base = structure.with_floating_base(description)
+    whole = structure.ordered(path, description, limits)
+    description, of_base = structure.with_floating_base(whole)
     structure.check_dof(path, description, limits)
     bodies = bodies_of(description)
     findings += of_base
     findings += joints.of_joints(description, free_mimic=free_mimic)
     # A link whose <inertial> cannot be read seems massless here: what follows from that is not to be told.
-    if not any(finding.code in ("inertial-unreadable", "number-range") for finding in findings):
+    if not any(finding.code in _NO_INERTIAL for finding in findings):
         findings += inertia.of_description(bodies)
     findings += plausibility.of_links(description)
     findings += plausibility.of_bodies(bodies)
@@ -90,5 +92,7 @@ def of_content(
         return Reading(description, gravest_first(findings), None)
     model, said = build(path, description)
     parity.prove(path, bodies, model)
+    original, errors = as_it_stands(content, whole, has_free_flyer=description.root != whole.root)
+    said += parity.of_original(bodies, original, errors, findings)
     findings += said
     return Reading(description, gravest_first(findings), None if any_error(said) else model)

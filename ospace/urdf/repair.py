@@ -23,7 +23,7 @@ from ospace.kernels.tables import Floats
 from ospace.urdf import reader, source
 from ospace.urdf.inertia import ROUNDED, judge
 from ospace.urdf.numbers import NumberError, has_space_around, numbers, without_space_around, words
-from ospace.urdf.parse import AXIS_OFF_UNIT, AXIS_TOO_SHORT, SCHEMA, TENSOR
+from ospace.urdf.parse import OFF_UNIT, SCHEMA, TENSOR, TOO_SHORT, has_quaternions
 from ospace.urdf.source import Limits, line_of
 
 _UNLIMITED = "1e9"  # no robot gets there, and every reader can read it
@@ -37,6 +37,7 @@ _NUMERIC = (
     "link/visual/material/color",
     "material/color",
 )
+_ORIGINS = ("joint/origin", "link/inertial/origin", "link/visual/origin", "link/collision/origin")
 _NO_NUMBERS = {"link", "joint", "filename", "name"}  # attributes that hold words
 _ATTRIBUTE = re.compile(rb"""\s*([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
 
@@ -103,7 +104,7 @@ def repaired(path: Path, limits: Limits | None = None) -> tuple[bytes, list[Chan
     content = source.content_of(path, limits)
     root = source.parse(path, content, limits)
     source.check_format(path, root)
-    found = [*_spaces(root), *_axes(root), *_limits(root), *_tensors(root)]
+    found = [*_spaces(root), *_axes(root), *_quaternions(root), *_limits(root), *_tensors(root)]
     return _edited(content, root, [edit for edit, _ in found]), [change for _, change in found]
 
 
@@ -129,17 +130,29 @@ def _axes(root: etree._Element) -> Iterator[tuple[_Edit, Change]]:
         if axis is None or given is None or joint.get("type") in ("fixed", "floating"):
             continue
         length = math.hypot(*given)
-        if length >= AXIS_TOO_SHORT and abs(length - 1.0) > AXIS_OFF_UNIT:
+        if length >= TOO_SHORT and abs(length - 1.0) > OFF_UNIT:
             text = " ".join(_plain(value / length) for value in given)
             what = f"its axis '{axis.get('xyz')}' becomes '{text}'"
             yield _Edit(axis, {"xyz": text}), _change("axis-not-unit", axis, what)
 
 
+def _quaternions(root: etree._Element) -> Iterator[tuple[_Edit, Change]]:
+    for where in _ORIGINS if has_quaternions(root) else ():
+        for origin in root.iterfind(where):
+            given = _read(origin.get("quat_xyzw", ""), 4)
+            length = 0.0 if given is None else math.hypot(*given)
+            if given is not None and length >= TOO_SHORT and abs(length - 1.0) > OFF_UNIT:
+                text = " ".join(_plain(value / length) for value in given)
+                what = f"quat_xyzw '{origin.get('quat_xyzw')}' becomes '{text}'"
+                yield _Edit(origin, {"quat_xyzw": text}), _change("quaternion-not-unit", origin, what)
+
+
 def _limits(root: etree._Element) -> Iterator[tuple[_Edit, Change]]:
     for joint in root.iterfind("joint"):
         kind, limit = joint.get("type"), joint.find("limit")
-        if limit is None and kind in ("revolute", "prismatic"):
-            text = f'<limit lower="-{_UNLIMITED}" upper="{_UNLIMITED}" effort="{_UNLIMITED}" velocity="{_UNLIMITED}"/>'
+        if limit is None and kind in ("revolute", "prismatic", "continuous"):
+            ends = "" if kind == "continuous" else f'lower="-{_UNLIMITED}" upper="{_UNLIMITED}" '
+            text = f'<limit {ends}effort="{_UNLIMITED}" velocity="{_UNLIMITED}"/>'
             yield _Edit(joint, {}, text), _change("limits-missing", joint, f"gets {text}")
         if limit is not None and kind in ("revolute", "prismatic", "continuous"):
             missing = [key for key in ("effort", "velocity") if key not in limit.attrib]

@@ -134,4 +134,5 @@ def _remarks(run: Run) -> Iterator[str]:
         yield from words.remarks(phase)
     if run.not_begun:
         yield f"not begun: {', '.join(run.not_begun)}"
-    yield f"limits of joints exceeded: {words.exceeded(run.exceeded)}"
+    exceeded = ", ".join(f"{limit} by {excess:.2g}" for limit, excess in run.exceeded.items())
+    yield f"limits of joints exceeded: {exceeded or 'none'}"

@@ -65,6 +65,12 @@ def mutated(rng: np.random.Generator, seeds: list[bytes]) -> bytes:
     return content
 
 
+def with_quaternions(content: bytes) -> bytes:
+    """The same file in URDF 1.2, its plain origins turned by a quaternion."""
+    turned = re.sub(rb'(<origin xyz="[^"]*")/>', rb'\1 quat_xyzw="0.48 -0.6 0 0.64"/>', content)
+    return re.sub(rb"<robot name=", b'<robot version="1.2" name=', turned, count=1)
+
+
 def _of(rng: np.random.Generator, choices: list[str]) -> bytes:
     return choices[rng.integers(len(choices))].encode()
 
@@ -94,7 +100,7 @@ def _element(rng: np.random.Generator, content: bytes) -> bytes:
 
 
 def _attribute(rng: np.random.Generator, content: bytes) -> bytes:
-    return _replace(rb" [a-z]+=\"[^\"]*\"", rng, content, b"")
+    return _replace(rb" [a-z_]+=\"[^\"]*\"", rng, content, b"")
 
 
 def _cut(rng: np.random.Generator, content: bytes) -> bytes:
@@ -152,6 +158,7 @@ def run(count: int, seed: int, folder: Path) -> Counter[str]:
     """Read `count` mutations; the number of each verdict."""
     rng = np.random.default_rng(seed)
     seeds = [variant.content for variant in VARIANTS if len(variant.content) < 5000 and variant.status == 0]
+    seeds = [*seeds, *map(with_quaternions, seeds)]
     seeds += [ospace.models.path(name).read_bytes() for name in ("planar_2r", "ets_vii")]
     file, counts = folder / "mutated.urdf", Counter()
     for k in range(count):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +13,7 @@ from urdf.corpus.parts import ARM, AXIS, HAND, LIMIT, inertial, joint, link, rob
 
 import ospace
 from ospace.urdf import bodies, build, parity, parse, reader, source, structure
+from ospace.urdf.description import Limit, Pose
 
 LIMITS = ospace.Limits()
 SIX = robot(
@@ -49,6 +52,10 @@ def set_inertia(model, j, **change):
     model.inertias[j] = pin.Inertia(values["mass"], values["lever"], values["inertia"])
 
 
+def set_frame(model, name, placement):
+    model.frames[model.getFrameId(name, pin.FrameType.BODY)].placement = placement
+
+
 def swap_axis(model, j):
     return model.joints.__setitem__(j, pin.JointModelRevoluteUnaligned(np.array([0.0, 0.8, 0.6])))
 
@@ -76,6 +83,8 @@ MISTAKES = {
     "effort": (lambda m: m.effortLimit.__setitem__(-1, 9.0), "effort"),
     "velocity": (lambda m: m.velocityLimit.__setitem__(-1, 9.0), "velocity"),
     "damping": (lambda m: m.damping.__setitem__(m.idx_vs[m.getJointId("hinge")], 0.0), "damping"),
+    "friction": (lambda m: m.friction.__setitem__(m.idx_vs[m.getJointId("hinge")], 0.5), "friction"),
+    "link": (lambda m: set_frame(m, "tool", pin.SE3(np.eye(3), np.array([0.0, 0.0, 0.1]))), "link 'tool' lies at"),
     "name": (lambda m: m.names.__setitem__(2, "other"), "no joint"),
 }
 
@@ -141,3 +150,113 @@ def test_a_floating_root_joint_is_not_doubled(tmp_path):
     made = ospace.SpaceRobot.from_urdf(file)
     assert (made.nv, made.description.root, made.leaf_links) == (7, "base", ["arm"])
     assert made.model.inertias[1].mass == 2.0
+
+
+# -- against the file as it stands -------------------------------------------------------------------------------
+
+
+def altered(description, name, **change):
+    """Return the description with another joint, or another inertial of a link."""
+    if name in description.joint:
+        joints = [replace(one, **change) if one.name == name else one for one in description.joints]
+        return replace(description, joints=tuple(joints))
+    links = [
+        replace(one, inertial=replace(one.inertial, **change)) if one.name == name else one for one in description.links
+    ]
+    return replace(description, links=tuple(links))
+
+
+LOST = {
+    "mass": (lambda d: altered(d, "tool", mass=0.5), "mass"),
+    "tensor": (lambda d: altered(d, "arm", tensor=(0.02, 0.0, 0.0, 0.03, 0.0, 0.04)), "inertia"),
+    "centre": (lambda d: altered(d, "arm", pose=Pose()), "centre"),
+    "placement": (lambda d: altered(d, "rail", pose=Pose((0.3, 0.0, 0.1))), "lies at"),
+    "orientation": (lambda d: altered(d, "hinge", pose=Pose((0.3, 0.0, 0.0), (0.0, 0.1, 0.0))), "lies at"),
+    "orientation of what is fixed": (lambda d: altered(d, "tip", pose=Pose((0.0, 0.0, 0.1))), "centre"),
+    "axis": (lambda d: altered(d, "hinge", axis=(0.0, 0.8, 0.6)), "axis"),
+    "type": (lambda d: altered(d, "rail", kind="revolute"), "type"),
+    "limit": (lambda d: altered(d, "hinge", limit=Limit(None, -1.0, 2.0, 10.0, 1.0)), "upper"),
+    "effort": (lambda d: altered(d, "rail", limit=Limit(None, -1.0, 1.0, math.inf, 1.0)), "effort"),
+    "damping": (lambda d: altered(d, "hinge", damping=0.0), "damping"),
+    "friction": (lambda d: altered(d, "hinge", friction=0.25), "friction"),
+    "joint": (lambda d: altered(d, "rail", kind="fixed"), "joints instead of"),
+}
+
+
+def misread(monkeypatch, change):
+    """Let ospace lose something on the way from the file to its description, which the first proof cannot see."""
+    honest = reader.parse
+
+    def parse_otherwise(root, file_name):
+        description, findings = honest(root, file_name)
+        return change(description), findings
+
+    monkeypatch.setattr(reader, "parse", parse_otherwise)
+
+
+@pytest.mark.parametrize("name", LOST)
+def test_what_ospace_loses_is_found_in_the_original(monkeypatch, tmp_path, name):
+    change, word = LOST[name]
+    file = tmp_path / "robot.urdf"
+    file.write_text(SIX)
+    assert reader.read(file).model is not None
+    misread(monkeypatch, change)
+    reading = reader.read(file)
+    assert reading.model is None
+    (finding,) = (one for one in reading.findings if one.severity == "error")
+    assert finding.code == "original-differs"
+    assert word in finding.message
+
+
+def test_a_quaternion_that_is_lost_is_found_in_the_original(monkeypatch, tmp_path):
+    file = tmp_path / "robot.urdf"
+    file.write_text(quaternion_for(SIX))
+    assert reader.read(file).model is not None
+    monkeypatch.setattr(parse, "rpy_of", lambda quaternion: (0.0, 0.0, 0.0))
+    assert "original-differs" in {one.code for one in reader.read(file).findings}
+
+
+def quaternion_for(content):
+    """The same robot in URDF 1.2, with a quaternion for the one rpy it has."""
+    x, y, z, w = pin.Quaternion(pin.rpy.rpyToMatrix(0.1, 0.2, 0.3)).coeffs().tolist()
+    assert content.count('rpy="0.1 0.2 0.3"') == 1
+    written = content.replace('rpy="0.1 0.2 0.3"', f'quat_xyzw="{x!r} {y!r} {z!r} {w!r}"')
+    return written.replace("<robot", '<robot version="1.2"')
+
+
+def test_a_finding_explains_what_it_is_about_and_nothing_else(monkeypatch, tmp_path):
+    """Pinocchio drops the <inertial> with a space in it; of that link the warning tells, of the others it does not."""
+    file = tmp_path / "robot.urdf"
+    file.write_text(SIX.replace('value="0.25"', 'value="0.25 "'))
+    reading = reader.read(file)
+    assert [one.code for one in reading.findings if one.severity != "info"] == ["number-spaces"]
+    assert sum(inertia.mass for inertia in reading.model.inertias) == 14.75
+    misread(monkeypatch, lambda d: altered(d, "rail", pose=Pose((0.3, 0.0, 0.1))))
+    assert "original-differs" in {one.code for one in reader.read(file).findings}
+
+
+@pytest.mark.parametrize("free", ["free", "root_joint", "universe"])
+def test_a_floating_root_is_compared_too(monkeypatch, tmp_path, free):
+    file = tmp_path / "robot.urdf"
+    ground = '<link name="world"/><link name="frame"/>' + joint("post", "fixed", "world", "frame", "")
+    file.write_text(SIX.replace("</robot>", ground + joint(free, "floating", "frame", "base", "") + "</robot>"))
+    assert {one.code for one in reader.read(file).findings} == {"floating-root"}
+    misread(monkeypatch, lambda d: altered(d, "tool", mass=0.5))
+    assert "original-differs" in {one.code for one in reader.read(file).findings}
+
+
+def test_a_name_with_a_line_end_is_the_same_name(tmp_path):
+    file = tmp_path / "robot.urdf"
+    file.write_text(SIX.replace('"hinge"', '"the\nhinge"').replace('"tool"', '"the\ttool"'))
+    assert reader.read(file).findings == ()
+
+
+def test_what_pinocchio_rejects_is_read_all_the_same(tmp_path, capfd):
+    file = tmp_path / "robot.urdf"
+    file.write_text(SIX.replace('xyz="0.5 0 0"', 'xyz="0.5\t0 0"'))
+    reading = reader.read(file)
+    assert reading.model is not None
+    (finding,) = reading.findings
+    assert (finding.code, finding.severity) == ("original-rejected", "info")
+    assert "joint" in finding.message
+    assert capfd.readouterr() == ("", "")

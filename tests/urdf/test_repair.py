@@ -234,3 +234,23 @@ def test_wrong_usage(run, arguments):
     status, text, err = run(*arguments)
     assert (status, text) == (2, "")
     assert err.startswith("usage: ")
+
+
+def test_quaternions_stay_what_they_are(tmp_path):
+    """One that is of unit length is not touched, one that is not points the same way."""
+    content = robot(
+        link("base"),
+        link("arm", inertial().replace('0.05"', '0.05" quat_xyzw=" 0 0.6 0 0.8 "')),
+        joint(more='<axis xyz="0 0 2"/>').replace('"0.3 0 0"', '"0.3 0 0" quat_xyzw="1 0 0 1"'),
+    ).replace("<robot", "<robot version='1.2'")
+    before = reader.of_content(tmp_path / "in.urdf", content.encode())
+    text, changes, after = fixed(tmp_path, content)
+    assert {change.code for change in changes} == {
+        "number-spaces", "quaternion-not-unit", "axis-not-unit", "limits-missing"}  # fmt: skip
+    assert b'quat_xyzw="0 0.6 0 0.8"' in text
+    assert {finding.code for finding in after.findings} == set()
+    for one, other in zip(before.model.jointPlacements, after.model.jointPlacements, strict=True):
+        assert one.isApprox(other, 1e-14)
+    assert all(
+        one.isApprox(other, 1e-14) for one, other in zip(before.model.inertias, after.model.inertias, strict=True)
+    )

@@ -46,6 +46,14 @@ INERTIAS = (
         example='<mass value="12 kg"/>',
     ),
     Code(
+        name="inertia-asymmetric",
+        severity="error",
+        summary="<inertia> has iyx, izx or izy, and it is not ixy, ixz or iyz, beyond 1e-6 of the largest number.",
+        reason="A tensor is symmetric: which of the two products is right is not known.",
+        remedy="Keep ixy, ixz and iyz alone.",
+        example='<inertia ixy="0" iyx="3" …/>',
+    ),
+    Code(
         name="inertia-not-finite",
         severity="error",
         summary="Mass, centre of mass or tensor of a model built in code is NaN or infinite.",

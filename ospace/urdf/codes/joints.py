@@ -39,8 +39,10 @@ JOINTS = (
     Code(
         name="limits-missing",
         severity="warning",
-        summary="A revolute or prismatic joint has no <limit>. It is read as unlimited, with one coordinate.",
-        reason="URDF demands it, and Pinocchio's parser rejects the file. A controller has no limit to respect.",
+        summary="A revolute or prismatic joint has no <limit>. It is read as unlimited, with one coordinate. An info "
+        "of a continuous joint, of which URDF demands none.",
+        reason="URDF demands it, and Pinocchio's parser rejects the file. A controller has no limit to respect, and no "
+        "bound on the torque.",
         remedy='Give it its limits; a joint that turns for ever is of type "continuous".',
         example='<joint name="hinge" type="revolute"> without <limit>',
         fixable=True,
@@ -74,8 +76,9 @@ JOINTS = (
         name="effort-zero",
         severity="info",
         summary="The limit of a joint's effort or velocity is zero.",
-        reason="Exporters write zero for unknown. Taken at its word, the joint can hold nothing, or never moves.",
-        remedy="Give the limit of the actuator.",
+        reason="It is taken at its word: a joint of zero effort has no drive and its torque is zero, one of zero "
+        "velocity is held still. Exporters also write zero for unknown.",
+        remedy="Give the limit of the actuator, if there is one.",
         example='<limit lower="-1" upper="1" effort="0" velocity="0"/>',
     ),
     Code(
@@ -85,6 +88,25 @@ JOINTS = (
         reason="No effort is allowed, and Pinocchio's parser rejects the file.",
         remedy="Give its size.",
         example='<limit lower="-1" upper="1" effort="-10" velocity="1"/>',
+    ),
+    Code(
+        name="zero-outside-limits",
+        severity="warning",
+        summary="Position zero lies outside the limits of a joint, by the angle or length told.",
+        reason="A configuration with all joints at zero, with which many programs start, is one that the robot cannot "
+        "take. `robot.configuration()` has it at zero, `robot.neutral()` inside its limits.",
+        remedy="Start from robot.neutral(), or give the joint a position.",
+        example='<limit lower="0.5" upper="2" …/>',
+    ),
+    Code(
+        name="value-not-used",
+        severity="warning",
+        summary="A part of <limit> or <dynamics> is not used: acceleration, deceleration and jerk; lower and upper of "
+        "a continuous joint, unless both are zero; <limit> and <dynamics> of a planar or floating one.",
+        reason="The joint is freer in ospace than the file says.",
+        remedy="Give bounds on accelerations to JointLimits.of(robot, acceleration=…); make a joint with positions to "
+        'keep "revolute".',
+        example='<joint type="continuous">…<limit lower="-1" upper="1" …/>',
     ),
     Code(
         name="damping-negative",

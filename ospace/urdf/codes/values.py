@@ -7,7 +7,7 @@ VALUES = (
         name="number-unreadable",
         severity="error",
         summary="A number of a joint is missing or none: nan, 1e400, 0x10, '12 kg', a decimal comma, too few or too "
-        "many.",
+        "many. A warning in <safety_controller> and <calibration>, which are not used.",
         reason="A reader that guesses puts the joint, and all that hangs from it, somewhere else.",
         remedy="Write plain finite decimal numbers, as many as are due, with a point and without units.",
         example='<origin xyz="0,3 0 0"/>',
@@ -33,6 +33,39 @@ VALUES = (
         example='<mass value="1e300"/>',
     ),
     Code(
+        name="two-orientations",
+        severity="error",
+        summary="An <origin> has both rpy and quat_xyzw.",
+        reason="Which one places the body is not known; Pinocchio's parser rejects the file.",
+        remedy="Keep one.",
+        example='<origin rpy="0 0 0" quat_xyzw="0 0 0.6 0.8"/>',
+    ),
+    Code(
+        name="quaternion-not-unit",
+        severity="warning",
+        summary="The length of a quaternion differs from one by more than 1e-3. It is divided by its length.",
+        reason="A reader that does not do so scales what it turns. Pinocchio's parser does.",
+        remedy="Divide it by its length.",
+        example='<origin quat_xyzw="1 0 0 1"/>',
+        fixable=True,
+    ),
+    Code(
+        name="quaternion-ignored",
+        severity="warning",
+        summary="An <origin> has quat_xyzw in a file of URDF 1.0, which knows none. It is not used.",
+        reason="Pinocchio's parser passes over it too, and nothing is turned.",
+        remedy='Declare the version, <robot version="1.1">, or write the orientation as rpy.',
+        example='<robot name="r"> and <origin quat_xyzw="0 0 0.6 0.8"/>',
+    ),
+    Code(
+        name="unknown-version",
+        severity="warning",
+        summary="<robot> declares a version other than 1.0, 1.1 and 1.2. The file is read as 1.2.",
+        reason="What such a version means by its elements is not known; Pinocchio's parser rejects the file.",
+        remedy="Declare the version that the file is written in.",
+        example='<robot name="r" version="2.0">',
+    ),
+    Code(
         name="duplicate-element",
         severity="error",
         summary="An element that may stand once stands twice, as <inertial> in a link or <origin> in a joint.",
@@ -43,22 +76,35 @@ VALUES = (
     Code(
         name="unknown-element",
         severity="warning",
-        summary="An element of the robot has in it one that URDF does not know there; an info where its name is far "
-        "from any that URDF has, an error where it is or holds a link, joint or inertial, or includes another file.",
+        summary="An element of the robot has in it one that URDF does not know there; an info in a robot, link or "
+        "joint where its name is far from any that URDF has, an error where it is or holds a link, joint or inertial, "
+        "or includes another file.",
         reason="Readers pass over it: a misspelt <inertail> leaves a link without mass, a <Link>, or one in a "
         "<group>, is no part of the robot.",
         remedy="Correct its name or its place. <gazebo>, <sensor>, <contact>, <transmission>, <ros2_control> and "
-        "elements of a namespace of their own are left alone.",
+        "elements of a namespace of their own are left alone, but for what they say of dynamics (dynamics-not-used).",
         example="<inertail>…</inertail>",
     ),
     Code(
         name="unknown-attribute",
         severity="warning",
-        summary="An element has an attribute that URDF does not know there; an info where its name is far from any "
-        "that URDF has.",
+        summary="An element has an attribute that URDF does not know there. An info where its name is far from any "
+        "that URDF has and the element places, weighs, moves and limits nothing, and of iyx, izx, izy that equal "
+        "ixy, ixz, iyz.",
         reason="Readers pass over it and take the default: a misspelt xyz leaves a link at its parent's origin.",
         remedy="Correct its name or its place.",
         example='<origin xzy="0 0 1"/>',
+    ),
+    Code(
+        name="dynamics-not-used",
+        severity="warning",
+        summary="An element that URDF leaves to other programs speaks of dynamics: rotor inertia or gear in a "
+        "<transmission>, a <loop_joint>, a <constraint>, a joint or damping in <gazebo>, a spring.",
+        reason="The robot is the tree of links without it, and moves otherwise than the file says. A ratio of 1 and "
+        "other values of 0 change nothing, and are passed over.",
+        remedy="Nothing, if it is meant so: loops stay open, rotors add no inertia, springs do not pull. A rotor's "
+        "inertia times the square of its gear is model.armature of a model given to SpaceRobot.from_model.",
+        example="<transmission>…<rotor_inertia value='1e-4'/>",
     ),
     Code(
         name="stray-text",
@@ -83,6 +129,23 @@ VALUES = (
         reason="URDF demands it, and Pinocchio's parser rejects the file.",
         remedy='Give it one: <robot name="chaser">.',
         example="<robot>",
+    ),
+    Code(
+        name="original-differs",
+        severity="error",
+        summary="Pinocchio reads another robot from the file as it stands: a mass, centre, inertia, placement, axis, "
+        "limit, damping or friction differs, and no finding says why.",
+        reason="One of the two readers has lost something.",
+        remedy="Look at what is named in the file; please report it, as no such file is known.",
+        example="none is known",
+    ),
+    Code(
+        name="original-rejected",
+        severity="info",
+        summary="Pinocchio's own parser rejects the file, for a reason that no finding gives.",
+        reason="ospace has read it all the same; its reading is then not compared with Pinocchio's.",
+        remedy="As the message says.",
+        example="<visual><geometry><cone/></geometry></visual> is one of them",
     ),
     Code(
         name="parser-error",

@@ -95,7 +95,7 @@ variant(
     ),
     1,
     "singular-inertia",
-    infos=["massless-link"],
+    infos=["limits-missing", "massless-link"],
 )
 
 variant("indefinite and alone", robot(link("base", inertial(moments=("-0.1", "0.1", "0.1")))), 1, "inertia-indefinite")

@@ -8,23 +8,53 @@ for kind in ("ball", "Revolute", "", "hinge", "spherical"):
     variant(f"type {kind!r}", ARM.replace('"revolute"', f'"{kind}"'), 1, "joint-type")
 variant("no type", ARM.replace(' type="revolute"', ""), 1, "joint-type")
 for kind in ("revolute", "continuous", "prismatic"):
-    variant(f"{kind}: no axis given", ARM.replace('"revolute"', f'"{kind}"').replace(AXIS, ""), 0)
+    of_kind = ARM.replace('"revolute"', f'"{kind}"')
+    if kind == "continuous":
+        of_kind = of_kind.replace('lower="-1" upper="1" ', "")
+    variant(f"{kind}: no axis given", of_kind.replace(AXIS, ""), 0)
     for text in ("0 0 0", "-0 0 0", "1e-9 0 0"):
-        odd = ARM.replace('"revolute"', f'"{kind}"').replace("0 1 0", text)
+        odd = of_kind.replace("0 1 0", text)
         variant(f"{kind}: axis {text}", odd, 1, "axis-zero")
     for text in ("0 2 0", "1 1 1", "0 1e-3 0", "0 -1000 0"):
-        odd = ARM.replace('"revolute"', f'"{kind}"').replace("0 1 0", text)
+        odd = of_kind.replace("0 1 0", text)
         variant(f"{kind}: axis {text}", odd, 0, "axis-not-unit")
-    rounded = ARM.replace('"revolute"', f'"{kind}"').replace("0 1 0", "0 0.707 0.707")
+    rounded = of_kind.replace("0 1 0", "0 0.707 0.707")
     variant(f"{kind}: axis of three digits", rounded, 0)
-variant("planar about z", ARM.replace('"revolute"', '"planar"').replace("0 1 0", "0 0 1"), 0)
-variant("planar about z, rounded", ARM.replace('"revolute"', '"planar"').replace("0 1 0", "1e-12 0 1"), 0)
-variant("planar about y", ARM.replace('"revolute"', '"planar"'), 1, "planar-axis")
-variant("planar without axis", ARM.replace('"revolute"', '"planar"').replace(AXIS, ""), 1, "planar-axis")
-variant("floating between bodies", ARM.replace('"revolute"', '"floating"'), 0)
+FLAT, FREED = (ARM.replace('"revolute"', f'"{kind}"').replace(LIMIT, "") for kind in ("planar", "floating"))
+variant("planar about z", FLAT.replace("0 1 0", "0 0 1"), 0)
+variant("planar about z, rounded", FLAT.replace("0 1 0", "1e-12 0 1"), 0)
+variant("planar about y", FLAT, 1, "planar-axis")
+variant("planar without axis", FLAT.replace(AXIS, ""), 1, "planar-axis")
+variant("floating between bodies", FREED, 0)
+for name, content in {"planar": FLAT.replace("0 1 0", "0 0 1"), "floating": FREED}.items():
+    variant(f"{name} with limits", content.replace("</joint>", LIMIT + "</joint>"), 0, "value-not-used")
+    for damping, codes in (("0.5", ["value-not-used"]), ("0", [])):
+        damped = content.replace("</joint>", f'<dynamics damping="{damping}" friction="0"/></joint>')
+        variant(f"{name} with damping {damping}", damped, 0, *codes)
+for key in ("acceleration", "deceleration", "jerk"):
+    variant(f"{key} limited", ARM.replace('velocity="1"', f'velocity="1" {key}="2"'), 0, "value-not-used")
+TURNING = ARM.replace('"revolute"', '"continuous"')
+variant("continuous with limits", TURNING, 0, "value-not-used")
+variant("continuous with one limit", TURNING.replace('lower="-1" ', ""), 0, "value-not-used")
+variant("continuous with limits of zero", TURNING.replace('"-1" upper="1"', '"0" upper="0"'), 0)
+variant("damping and friction", ARM.replace("</joint>", '<dynamics damping="1" friction="2"/></joint>'), 0)
+for element in ('safety_controller k_velocity="nan"', 'calibration rising="0x1"', 'safety_controller k_velocity=""'):
+    variant(f"{element} in a joint", ARM.replace("</joint>", f"<{element}/></joint>"), 0, "number-unreadable")
+variant("safety controller", ARM.replace("</joint>", '<safety_controller k_velocity="1"/></joint>'), 0)
+for lower, upper in (("0.5", "1"), ("-2", "-0.001"), ("1e-6", "1")):
+    ranged = ARM.replace('lower="-1" upper="1"', f'lower="{lower}" upper="{upper}"')
+    variant(f"{lower} to {upper} rad", ranged, 0, "zero-outside-limits")
+    variant(f"{lower} to {upper} m", ranged.replace('"revolute"', '"prismatic"'), 0, "zero-outside-limits")
+variant("zero at the end of the range", ARM.replace('lower="-1"', 'lower="0"'), 0)
+variant("zero next to the range", ARM.replace('lower="-1"', 'lower="1e-10"'), 0)
 for kind in ("revolute", "prismatic"):
     variant(f"{kind} without limits", ARM.replace('"revolute"', f'"{kind}"').replace(LIMIT, ""), 0, "limits-missing")
-variant("continuous without limits", ARM.replace('"revolute"', '"continuous"').replace(LIMIT, ""), 0)
+variant(
+    "continuous without limits",
+    ARM.replace('"revolute"', '"continuous"').replace(LIMIT, ""),
+    0,
+    infos=["limits-missing"],
+)
 variant("reversed limits", ARM.replace('lower="-1" upper="1"', 'lower="1" upper="-1"'), 0, "limits-reversed")
 variant("no room", ARM.replace('lower="-1" upper="1"', 'lower="0" upper="0"'), 0, "limits-zero")
 variant("no lower and upper", ARM.replace('lower="-1" upper="1" ', ""), 0, "limits-zero")

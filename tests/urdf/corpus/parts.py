@@ -32,7 +32,7 @@ def robot(*parts, name="made"):
 
 
 ARM = robot(link("base"), link("arm"), joint())
-HAND = joint("wrist", "continuous", "arm", "hand", AXIS)
+HAND = joint("wrist", "continuous", "arm", "hand", AXIS + '<limit effort="10" velocity="1"/>')
 BOX = '<{0}><geometry><box size="0.4 0.3 0.2"/></geometry></{0}>'
 
 

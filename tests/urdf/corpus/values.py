@@ -54,7 +54,8 @@ variant("trailing space in a tensor", ARM.replace('"0.02"', '"0.02 "', 1), 0, "n
 variant("leading tab in a mass", ARM.replace('value="2"', 'value="\t2"', 1), 0, "number-spaces")
 variant("line end in a limit", ARM.replace('lower="-1"', 'lower="-1\n"'), 0, "number-spaces")
 variant("space around an origin", ARM.replace('"0.3 0 0"', '" 0.3 0 0 "'), 0, infos=["number-spaces"])
-variant("many spaces between", ARM.replace('"0.3 0 0"', '"0.3   0\t0"'), 0)
+variant("many spaces between", ARM.replace('"0.3 0 0"', '"0.3   0  0"'), 0)
+variant("tab between, which Pinocchio refuses", ARM.replace('"0.3 0 0"', '"0.3 0\t0"'), 0, infos=["original-rejected"])
 variant("signs and exponents", ARM.replace('"0.3 0 0"', '"+3.E-1 -0 .0e5"'), 0)
 
 variant("two inertials", ARM.replace("</link>", inertial() + "</link>", 1), 1, "duplicate-element")
@@ -150,3 +151,84 @@ for space in ("\u00a0", "\u2009", "\u3000", "\x85"):
 variant("lengths of rounding", ARM.replace("0.3 0 0", "0.3 1e-120 -1e-300"), 0)
 variant("mass of a virus", ARM.replace('value="2"', 'value="1e-18"', 1), 1, "number-range")
 variant("blank mass", ARM.replace('value="2"', 'value="  "', 1), 1, "inertial-unreadable")
+
+V12 = ARM.replace('name="made"', 'name="made" version="1.2"')
+TURNED = 'xyz="0.3 0 0" quat_xyzw="{}"'
+for text, codes in (
+    ("0 0 0 1", []),
+    ("0 0.6 0 -0.8", []),
+    ("0.707 0 0 0.707", []),
+    ("0.7 0 0 0.7", ["quaternion-not-unit"]),
+    ("0 0 2 0", ["quaternion-not-unit"]),
+):
+    for place, old in (("joint", 'xyz="0.3 0 0"'), ("inertial", 'xyz="0.1 0 0.05"')):
+        turned = V12.replace(old, f'{old} quat_xyzw="{text}"', 1)
+        variant(f"quaternion {text} of {place}", turned, 0, *codes)
+for role in ("visual", "collision"):
+    for text, codes in (("0 0 0.6 0.8", []), ("0 0 0 0", ["visual-unreadable"]), ("0 0 1", ["visual-unreadable"])):
+        shape = f'<{role}><origin quat_xyzw="{text}"/>{BOX_SHAPE}</{role}>'
+        variant(f"quaternion {text} of {role}", V12.replace("</link>", shape + "</link>", 1), 0, *codes)
+for text in ("0 0 0 0", "0 0 1e-9 0", "0 0 1", "0 0 0 1 0", "", "x 0 0 1", "nan 0 0 1", "0,0,0,1"):
+    turned = V12.replace('xyz="0.3 0 0"', TURNED.format(text))
+    variant(f"quaternion {text!r} of a joint", turned, 1, "number-unreadable")
+    turned = V12.replace('xyz="0.1 0 0.05"', f'xyz="0.1 0 0.05" quat_xyzw="{text}"', 1)
+    variant(f"quaternion {text!r} of an inertial", turned, 1, "inertial-unreadable")
+variant(
+    "quaternion, spaces around", V12.replace('xyz="0.3 0 0"', TURNED.format(" 0 0 0 1 ")), 0, infos=["number-spaces"]
+)
+variant(
+    "quaternion of nothing, spaces around",
+    V12.replace('xyz="0.3 0 0"', TURNED.format(" 0 0 0 0")),
+    1,
+    "number-unreadable",
+    infos=["number-spaces"],
+)
+for version in ("1.0", "1.1", "1.2"):
+    declared = ARM.replace('name="made"', f'name="made" version="{version}"')
+    variant(f"version {version}", declared, 0)
+    both = declared.replace('xyz="0.3 0 0"', TURNED.format("0 0 0 1") + ' rpy="0 0 0"')
+    variant(f"two orientations in version {version}", both, 1, "two-orientations")
+for version in ("1.3", "2.0", "", "1", "x", "1.10", "1.2 "):
+    odd = ARM.replace('name="made"', f'name="made" version="{version}"')
+    variant(f"version {version!r}", odd, 0, "unknown-version")
+variant(
+    "version 1.0 with a quaternion", ARM.replace('xyz="0.3 0 0"', TURNED.format("0 0 1 0")), 0, "quaternion-ignored"
+)
+for role in ("visual", "inertial"):
+    both = '<origin rpy="0 0 0" quat_xyzw="0 0 0 1"/>'
+    turned = V12.replace('<origin xyz="0.1 0 0.05"/>', both, 1)
+    if role == "visual":
+        turned = V12.replace("</link>", f"<visual>{both}{BOX_SHAPE}</visual></link>", 1)
+    variant(f"two orientations in an {role}", turned, 1, "two-orientations")
+
+for old, new in {
+    'xyz="0.3 0 0"': 'xyz="0.3 0 0" quat="0 0 0 1"',
+    'xyz="0 1 0"': 'xyz="0 1 0" frame="world"',
+    'value="2"': 'value="2" unit="g"',
+    'izz="0.04"': 'izz="0.04" scale="0.5"',
+    'effort="10"': 'effort="10" continuous_effort="5"',
+    '<parent link="base"': '<parent link="base" offset="1"',
+    '<child link="arm"': '<child link="arm" offset="1"',
+    '<joint name="hinge"': '<joint name="hinge" armature="1"',
+}.items():
+    variant(f"{new} is not known", ARM.replace(old, new, 1), 0, "unknown-attribute")
+variant(
+    "stiffness in dynamics",
+    ARM.replace("</joint>", '<dynamics damping="1" spring_stiffness="3"/></joint>'),
+    0,
+    "unknown-attribute",
+)
+MORE = '<origin xyz="0.3 0 0"{}>{}</origin>'
+foreign = MORE.format(' u:quat="1" xmlns:u="http://example.org/u"', "")
+for name, origin, code in (
+    ("attribute of a namespace", foreign, "unknown-attribute"),
+    ("element", MORE.format("", "<turned/>"), "unknown-element"),
+):
+    variant(f"{name} in an origin", ARM.replace('<origin xyz="0.3 0 0"/>', origin), 0, code)
+variant("element in an inertial", ARM.replace("</inertial>", "<fuel/></inertial>", 1), 0, "unknown-element")
+variant("gains in a joint", ARM.replace("</joint>", '<controller_gains kp="1"/></joint>'), 0, infos=["unknown-element"])
+TWICE = ARM.replace('ixy="0"', 'ixy="0.001" iyx="{}"', 1)
+variant("product twice", TWICE.format("0.001"), 0, infos=["unknown-attribute"])
+variant("product twice, rounded", TWICE.format("0.00100000001"), 0, infos=["unknown-attribute"])
+variant("product twice, of other sign", TWICE.format("-0.001"), 1, "inertia-asymmetric")
+variant("product twice, no number", TWICE.format("x"), 1, "inertial-unreadable")

@@ -1,0 +1,102 @@
+"""Parts of a URDF that speak of dynamics in words that ospace does not use, as other programs write them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from lxml import etree
+
+_DYNAMICS = {
+    "spring",
+    "stiffness",
+    "bushing",
+    "damper",
+    "damping",
+    "tendon",
+    "muscle",
+    "rotor",
+    "armature",
+    "reduction",
+    "gear",
+    "gearbox",
+    "backlash",
+    "inertia",
+    "inertial",
+    "mimic",
+}
+_COUPLINGS = {"loop", "constraint", "equality", "coupling", "weld"}  # in <gazebo> these are settings of a solver
+_RATIOS = {"reduction", "gear", "gearbox"}  # of which 1 changes nothing, as 0 does of all others
+_NO_DYNAMICS = {"implicit", "reference"}  # implicitSpringDamper chooses an integrator, springReference an angle
+_OF_CONTACTS = {"inertia"}  # stiffness and damping of <contact> are those of its surface; inertia_scaling is not
+_MOST = 5
+
+
+def dynamics_in(element: etree._Element, *, of_robot: bool) -> str:
+    """Name what of dynamics an element that ospace does not read has in it; empty where it has nothing.
+
+    Parameters
+    ----------
+    element : etree._Element
+    of_robot : bool
+        Whether it describes the robot, rather than set up another program: then a loop or constraint counts as well.
+    """
+    tag = _local(element)
+    if tag == "sensor":
+        return ""
+    words = _OF_CONTACTS if tag == "contact" else _DYNAMICS | (_COUPLINGS if of_robot else set())
+    named = list(dict.fromkeys(_named(element, words)))
+    return ", ".join(named[:_MOST]) + (f" and {len(named) - _MOST} more" if len(named) > _MOST else "")
+
+
+def speaks_of_dynamics(name: str) -> bool:
+    """Whether the name of an attribute or element is one of dynamics."""
+    return bool(_words(name) & (_DYNAMICS | _COUPLINGS))
+
+
+def _named(element: etree._Element, words: set[str]) -> Iterator[str]:
+    if (loop := _joint(element)) is not None:
+        yield loop
+        return
+    for key, value in element.attrib.items():
+        name = etree.QName(key).localname
+        if _matters(name, value, words):
+            yield f"{name}='{value}'"
+    name = str(element.get("name", "")) if _local(element) == "param" else _local(element)
+    value = (element.get("value") or element.text or "").strip()
+    if _matters(name, value, words):
+        yield f"<{name}> {value}".rstrip()
+        return
+    for child in element.iterchildren(etree.Element):
+        yield from _named(child, words)
+
+
+def _joint(element: etree._Element) -> str | None:
+    """Name a joint between two links that is none of the tree: it would close a loop."""
+    if _local(element) != "joint":
+        return None
+    ends = {_local(child): child for child in element.iterchildren(etree.Element)}
+    if not {"parent", "child"} <= ends.keys():
+        return None
+    parent, child = (" ".join((ends[end].text or ends[end].get("link") or "").split()) for end in ("parent", "child"))
+    return f"the joint '{element.get('name', '')}' from '{parent}' to '{child}'"
+
+
+def _matters(name: str, value: str, words: set[str]) -> bool:
+    named = _words(name)
+    if not named & words or named & _NO_DYNAMICS:
+        return False
+    try:
+        number = float(value)
+    except ValueError:
+        return value.strip().lower() != "false"
+    return number not in (0.0, 1.0 if named & _RATIOS else 0.0)
+
+
+def _words(name: str) -> set[str]:
+    """Split rotorInertia, rotor_inertia and rotor-inertia alike."""
+    return {word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", name)}
+
+
+def _local(element: etree._Element) -> str:
+    return etree.QName(element).localname
