@@ -151,31 +151,33 @@ def test_a_joint_without_a_drive_has_no_bounds():
     assert clamp(1.3, 0.7, torque=(0.0, 0.0))[:2] == (-UNLIMITED, UNLIMITED)
 
 
-def several(angles, rates):
-    """Two joints of which the second has twice the velocity limit: lower, upper, outside, the largest of all."""
-    n = len(angles)
-    joints = SimpleNamespace(kind=np.zeros(n + 1, dtype=int), first=np.arange(6, 7 + n))
-    w = SimpleNamespace(
-        q=np.r_[np.zeros(7), angles][:, None], velocity=np.r_[np.zeros(6), rates][:, None],
-        generalized_inertia=np.diag([1.0, 4.0]),
-    )  # fmt: skip
-    limits = SimpleNamespace(
-        torque=np.array([[-3.0] * n, [3.0] * n]), position=np.array([[-1.0] * n, [1.0] * n]),
-        velocity=np.array([0.5, 1.0]), acceleration=np.full(n, 2.0), reaction=PERIOD, braking=0.8,
-    )  # fmt: skip
-    program = SimpleNamespace(lower=np.zeros(n), upper=np.zeros(n), cause=np.zeros((2, n), dtype=np.int64))
-    outside = np.full(n, np.nan)
-    return program.lower, program.upper, outside, clamp_joints(joints, w, limits, program, outside)
-
-
 def test_each_joint_is_clamped_by_its_own_numbers():
-    angles, rates = (-1.02, 0.999), (0.1, 0.03)
-    lower, upper, outside, farthest = several(angles, rates)
-    one = clamp_and_measure(angles[0], rates[0])
-    two = clamp_and_measure(angles[1], rates[1], velocity=1.0, inertia=4.0)
-    for j, alone in enumerate((one, two)):
-        assert (lower[j], upper[j], outside[j]) == (alone[0], alone[1], alone[4])
-    assert farthest == one[5] == pytest.approx(0.02)
+    """A revolute joint near its limit, a continuous one, which has two numbers in q, and one outside its limits."""
+    joints = SimpleNamespace(kind=np.array([REVOLUTE, REVOLUTE, CONTINUOUS, REVOLUTE]), first=np.array([0, 7, 8, 10]))
+    w = SimpleNamespace(
+        q=np.r_[np.zeros(7), -0.987, -3.0, 4.0, 1.02][:, None],
+        velocity=np.r_[np.zeros(6), -0.195, 0.998, -0.1][:, None],
+        generalized_inertia=np.diag([1.0, 4.0, 2.0]),
+    )
+    limits = SimpleNamespace(
+        torque=np.array([[-3.0, -5.0, -2.0], [3.0, 5.0, 2.0]]),
+        position=np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]]),
+        velocity=np.array([0.5, 1.0, 0.7]),
+        acceleration=np.array([2.0, 3.0, 4.0]),
+        reaction=PERIOD,
+        braking=0.8,
+    )
+    program = SimpleNamespace(lower=np.zeros(3), upper=np.zeros(3), cause=np.zeros((2, 3), dtype=np.int64))
+    outside = np.full(3, np.nan)
+    farthest = clamp_joints(joints, w, limits, program, outside)
+    alone = [
+        clamp_and_measure(-0.987, -0.195),
+        clamp_and_measure(0.0, 0.998, velocity=1.0, acceleration=3.0, torque=(-5.0, 5.0), inertia=4.0, kind=CONTINUOUS),
+        clamp_and_measure(1.02, -0.1, velocity=0.7, acceleration=4.0, torque=(-2.0, 2.0), inertia=2.0),
+    ]
+    for j, expected in enumerate(alone):
+        assert (program.lower[j], program.upper[j], *program.cause[:, j], outside[j]) == expected[:5]
+    assert farthest == alone[2][5] == pytest.approx(0.02)
 
 
 def test_without_limits_nothing_bounds():

@@ -56,6 +56,16 @@ def test_rotation_vector(angle):
         np.testing.assert_allclose(rho, angle * axis, rtol=1e-14, atol=2e-15)
 
 
+@pytest.mark.parametrize("angle", [0.142, 0.2])
+def test_far_from_a_half_turn_its_formula_is_not_taken(angle):
+    """It divides by 1 − cos θ and costs a digit there; that of small angles keeps the digits of the small vector."""
+    rng = np.random.default_rng(9)
+    for _ in range(50):
+        axis = rng.normal(size=3)
+        rho = axis / np.linalg.norm(axis) * angle
+        np.testing.assert_allclose(rotation_vector(columns(pin.exp3(rho))), rho, rtol=0, atol=3e-16)
+
+
 @pytest.mark.parametrize("angle", HALF_TURN)
 def test_rotation_vector_near_a_half_turn(angle):
     """By exactly a half turn both signs of the axis are right; before it, one is."""
