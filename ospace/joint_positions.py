@@ -95,9 +95,10 @@ class BoundedCoordinates:
         return np.where(usable, lower, -np.inf), np.where(usable, upper, np.inf)
 
     def excess(self, model: pin.Model, q: Floats) -> Floats:
-        """Return by how much each coordinate (k,) lies beyond a limit, rad or m; not above zero inside."""
+        """Return how far the coordinates (..., k) of `q` (..., nq) are beyond a limit, rad or m; not above 0 inside."""
         lower, upper = self.limits(model)
-        return np.maximum(lower - q[self.index], q[self.index] - upper)
+        here = q[..., self.index]
+        return np.maximum(lower - here, here - upper)
 
     def nearest_to_zero(self, model: pin.Model) -> Floats:
         """Return positions (k,) inside the limits: zero, or else the middle of the range, or its one bound."""
@@ -108,6 +109,17 @@ class BoundedCoordinates:
         return nearest
 
 
+def unit_of(joint: pin.JointModel) -> str:
+    """Return the unit of the joint's positions: m for those that slide, else rad."""
+    return "m" if joint.shortname().removeprefix("JointModel") in _IN_METRES else "rad"
+
+
+def in_unit(amount: float, unit: str) -> str:
+    """Write an amount with its unit, angles in degrees as well, as in "0.0698 rad (4 deg)"."""
+    degrees = f" ({np.rad2deg(amount):.3g} {unit.replace('rad', 'deg')})" if unit.startswith("rad") else ""
+    return f"{amount:.3g} {unit}{degrees}"
+
+
 def excess_text(model: pin.Model, beyond: Mapping[str, float]) -> str:
     """Write what `SpaceRobot.outside_limits` returns, as in "'elbow' by 0.0698 rad (4 deg), 'boom' by 0.02 m"."""
     return with_units(beyond, joint_units(model))
@@ -115,18 +127,12 @@ def excess_text(model: pin.Model, beyond: Mapping[str, float]) -> str:
 
 def joint_units(model: pin.Model) -> dict[str, str]:
     """Return the unit of the position of each joint by its name: rad, or m."""
-    return {
-        name: "m" if joint.shortname().removeprefix("JointModel") in _IN_METRES else "rad"
-        for name, joint in zip(model.names, model.joints, strict=True)
-    }
+    return {name: unit_of(joint) for name, joint in zip(model.names, model.joints, strict=True)}
 
 
 def with_units(beyond: Mapping[str, float], unit: Mapping[str, str]) -> str:
     """Write by how much joints are beyond something, in the unit of each, angles in degrees as well."""
-    return ", ".join(
-        f"'{name}' by {excess:.3g} {unit[name]}" + (f" ({np.rad2deg(excess):.3g} deg)" if unit[name] == "rad" else "")
-        for name, excess in beyond.items()
-    )
+    return ", ".join(f"'{name}' by {in_unit(excess, unit[name])}" for name, excess in beyond.items())
 
 
 def _straight(joint: pin.JointModel) -> int:

@@ -147,9 +147,16 @@ def _seldom(advance: Any) -> Any:
 
 
 def _valid(scenario: Scenario, name: str) -> str:
+    from ospace.joint_positions import excess_text
+
     phases = ", ".join(phase.name for phase in scenario.phases)
     longest = sum(phase.timeout for phase in scenario.phases)
-    return f"{scenario.name}\nphases: {phases}; at most {longest:g} s\nvalid: {name}\n"
+    outside = [
+        f"{who} starts outside limits of joints: {excess_text(state.robot.model, beyond)}\n"
+        for who, state in (("robot", scenario.start), ("target", scenario.target))
+        if state is not None and (beyond := state.robot.outside_limits(state.q))
+    ]
+    return f"{scenario.name}\nphases: {phases}; at most {longest:g} s\n{''.join(outside)}valid: {name}\n"
 
 
 def _text(result: Run, name: str) -> str:
@@ -177,9 +184,7 @@ def _show(console: Console, result: Run, name: str) -> None:
             console.print(plain(line))
     if result.not_begun:
         console.print(f"not begun: {plain(', '.join(result.not_begun))}")
-    past = result.exceeded
-    limits = ", ".join(f"{limit} by {excess:.2g}" for limit, excess in past.items()) or "none"
-    console.print(f"limits of joints exceeded: {plain(limits)}")
+    console.print(f"limits of joints exceeded: {plain(words.exceeded(result.exceeded))}")
     console.print("\n[bold]Certificate[/]")
     for line in str(result.certificate).splitlines():
         console.print(plain(line))

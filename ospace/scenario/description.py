@@ -176,6 +176,18 @@ class PhasePlan:
     tasks: tuple[TaskPlan, ...]
     action: GraspPlan | Release | None = None
 
+    @property
+    def earliest(self) -> float:
+        """The shortest time that it takes: its motions are done, and tests have held from then on; s."""
+        times = [self.duration]
+        for task in self.tasks:
+            times.append(self.motion(task) + (task.completion.hold if task.completion else 0.0))
+        return max(times)
+
+    def motion(self, task: TaskPlan) -> float:
+        """Return how long the motion of one of its tasks takes, s; that of a task of all phases has begun before."""
+        return task.goal.duration if task.goal is not None and task.key.startswith(self.key) else 0.0
+
 
 @dataclass(frozen=True)
 class ControlPlan:

@@ -23,7 +23,7 @@ from ospace.exceptions import OspaceError, printable
 from ospace.files import arrays, replacing
 from ospace.kernels.tables import Floats
 from ospace.scenario.result import BASE, Contact, PhaseResult, Run, Segment, TaskErrors, Verdict
-from ospace.simulation import Certificate, Conserved, Trajectory
+from ospace.simulation import Certificate, Conserved, Excess, Trajectory
 from ospace.simulation.certificate import LIMITS
 
 
@@ -90,7 +90,7 @@ class Log(Verdict):
         Names of the others.
     certificate : Certificate
         The worst of all segments, of the target by itself, and of grasps.
-    exceeded : mapping of str to float
+    exceeded : mapping of str to Excess
         As of `Run`.
     seconds : float
         Wall time.
@@ -105,7 +105,7 @@ class Log(Verdict):
     phases: tuple[PhaseResult, ...]
     not_begun: tuple[str, ...]
     certificate: Certificate
-    exceeded: Mapping[str, float]
+    exceeded: Mapping[str, Excess]
     seconds: float
     interrupted: bool
 
@@ -231,7 +231,9 @@ def _log(known: dict[str, Any]) -> Log:
     segments, phases = [], []
     for k, one in enumerate(known["segments"]):
         target = TargetMotion(**one["target"]) if one["target"] is not None else None
-        segment = LoggedSegment(**one | {"trajectory": Trajectory(**one["trajectory"]), "target": target})
+        trajectory = one["trajectory"]
+        trajectory = Trajectory(**trajectory | {"outside_limits": _excesses(trajectory["outside_limits"])})
+        segment = LoggedSegment(**one | {"trajectory": trajectory, "target": target})
         _fit_segment(f"segments/{k}", segment)
         segments.append(segment)
     for k, one in enumerate(known["phases"]):
@@ -248,7 +250,16 @@ def _log(known: dict[str, Any]) -> Log:
     certificate = Certificate(tuple(Conserved(**one) for one in known["certificate"]["quantities"]))
     _are(str, *(one.name for one in certificate.quantities))
     _are(float, *(certificate[name].limit for name in LIMITS if segments))
-    return Log(**known | {"segments": tuple(segments), "phases": tuple(phases), "certificate": certificate})
+    kept = {"segments": tuple(segments), "phases": tuple(phases), "certificate": certificate}
+    return Log(**known | kept | {"exceeded": _excesses(known["exceeded"])})
+
+
+def _excesses(known: Any) -> dict[str, Excess]:
+    found = {name: Excess(**one) for name, one in known.items()}
+    for one in found.values():
+        _are(float, one.amount, one.time)
+        _are(str, one.unit)
+    return found
 
 
 def _fit_segment(name: str, segment: LoggedSegment) -> None:

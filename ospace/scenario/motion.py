@@ -1,22 +1,27 @@
 """Motions that a task follows from the phase's start on: towards a goal that stays or moves by itself.
 
-The goal g(t), Q_g(t) is approached from the motion that the point would go on with by itself, x_s(t) = x_0 + v_0 t and
-R_s(t) = exp(ω_0 t) R_0, by the quintic s from 0 to 1 with rest at both ends:
+The goal is at g(t), R_g(t). By itself the point would go on with x_s(t) = x_0 + v_0 t and F(t) R_0, F = exp(ω_0 t).
+With the quintic s from 0 to 1 with rest at both ends, the place goes over from the one to the other,
 
-    x = x_s + s (g − x_s),     R = exp(θ) R_s,     θ = s φ,     φ = log(Q_g R_sᵀ)
+    x = x_s + s (g − x_s)
 
-so that position and velocity start with those of the point, and position, velocity and acceleration end with those of
-the goal: at contact hand and fixture move as one. With J the left Jacobian of the exponential,
+The rotation does so in axes that turn with F, in which the goal is at G = Fᵀ R_g with velocity ω_G = Fᵀ (ω_g − ω_0). A
+turn E_1 brings the point from where it is to where the goal was, and E_2 makes the goal's turning set in smoothly: with
+the turn φ from the goal to the point at the start, the rate Ω = −Gᵀ ω_G at the start, and the quintic r(t) that starts
+with rate 1 and ends at rest, both zero,
 
-    φ̇ = J(φ)⁻¹ ω_φ,    ω_φ = ω_g − Q ω_0,    Q = exp(φ)
-    ω = J(θ) θ̇ + exp(θ) ω_0
+    R = F E_1 G E_2,     E_1 = exp((1 − s) φ),     E_2 = exp(χ),     χ = r Ω + (1 − s) 2π k Ω/|Ω|
+    ω = ω_0 + F w,       w = −ṡ φ + E_1 y,         y = ω_G + G χ̇
+    α = F ẇ + ω_0 × F w,     ẇ = −s̈ φ − ṡ φ × E_1 y + E_1 ẏ,     ẏ = ω̇_G + ω_G × G χ̇ + G χ̈
 
-and likewise for the accelerations.
+Position and velocity start with those of the point, and position, velocity and acceleration end with those of the goal:
+at contact hand and fixture move as one. Only the turn at the start is a logarithm, so the goal may turn as far and as
+often as it likes. Of its turns meanwhile the point leaves out k whole ones, so that it makes half a turn at most beyond
+its own motion: joints have limits. Where the turn to make is given, it is made in full, however long it is.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -28,12 +33,11 @@ from ospace.exceptions import OspaceError
 from ospace.kernels.tables import Floats
 from ospace.points import OperationalPoint
 from ospace.simulation import Certificate, simulate
+from ospace.simulation.plant import Plant
 from ospace.state import State
 
 _AHEAD = 1.0
 """How far the target's motion is computed at a time, s."""
-_SMALL_ANGLE = 1e-2
-_LARGEST_TURN = math.radians(175.0)
 
 
 class Motion(NamedTuple):
@@ -124,13 +128,15 @@ class FreeMotion:
 
     def frame(self, point: OperationalPoint) -> Goal:
         """Return the motion of a point of the target as a goal."""
-        model, data, idle = self.robot.model, self.robot.model.createData(), np.zeros(self.robot.nv)
+        plant = Plant(self.robot)
 
         def motion(first: int, last: int) -> Motion:
             Q, V = self.states(first, last)
             base = Q[:, :3].copy()
             Q[:, :3] = 0.0
-            A = np.array([pin.aba(model, data, q, v, idle) for q, v in zip(Q, V, strict=True)])
+            A = np.empty_like(V)
+            for q, v, a in zip(Q, V, A, strict=True):
+                plant.accelerate(0.0, q, v, a)
             beside = point_motion(point, Q, V, A)
             return beside._replace(place=beside.place + base)
 
@@ -171,6 +177,9 @@ class Approach:
         Control cycle at the start.
     period : float
         Of a control cycle, s.
+    turn : (3,), optional
+        Rotation vector from the point to the goal, inertial axes, made in full however long it is; the shortest way
+        without it.
     name : str
         Of the task, for errors.
     """
@@ -184,11 +193,20 @@ class Approach:
         duration: float,
         first: int = 0,
         period: float = 1e-3,
+        turn: Floats | None = None,
         name: str = "approach",
     ) -> None:
         self._pose, self._velocity, self._goal, self._name = pose, velocity, goal, name
         self._first, self._period, self._duration = first, period, duration
         self._table: list[tuple[pin.SE3, Floats, Floats]] = []
+        at = goal(first, first + 1)
+        R_g = at.rotation[0]
+        self._turn = -(pin.log3(R_g @ pose.rotation.T) if turn is None else turn)
+        against = velocity[3:] - at.velocity[0, 3:]
+        speed = float(np.linalg.norm(against))
+        axis = against / speed if speed else np.zeros(3)
+        whole = np.round((speed * duration + self._turn @ axis) / (2.0 * np.pi)) if turn is None else 0.0
+        self._spin, self._left_out = R_g.T @ against, -2.0 * np.pi * whole * (R_g.T @ axis)
 
     def __call__(self, time: float) -> tuple[pin.SE3, npt.ArrayLike, npt.ArrayLike]:
         """Return pose, velocity and acceleration at a cycle's time, s."""
@@ -226,31 +244,25 @@ class Approach:
         v = v_0 + rate * left + s * left_rate
         a = curve * left + 2.0 * rate * left_rate + s * A_g[:, :3]
 
-        R_s = _exp(omega_0 * t) @ self._pose.rotation
-        Q = R_g @ R_s.transpose(0, 2, 1)
-        phi = _log(Q)
-        if np.linalg.norm(phi, axis=1).max() > _LARGEST_TURN:
-            raise OspaceError(
-                f"task '{self._name}' is to turn by more than {math.degrees(_LARGEST_TURN):.0f} deg to reach its goal: "
-                f"go there in several phases"
-            )
-        carried = Q @ omega_0
-        omega = V_g[:, 3:] - carried
-        alpha = A_g[:, 3:] - np.cross(omega, carried)
-        phi_1 = np.linalg.solve(_jacobian(phi), omega[..., None])[..., 0]
-        phi_2 = np.linalg.solve(_jacobian(phi), (alpha - _jacobian_rate(phi, phi_1))[..., None])[..., 0]
-        theta, theta_1 = s * phi, rate * phi + s * phi_1
-        theta_2 = curve * phi + 2.0 * rate * phi_1 + s * phi_2
-        E, J = _exp(theta), _jacobian(theta)
-        turning = (J @ theta_1[..., None])[..., 0]
-        carried = E @ omega_0
-        angular = turning + carried
-        angular_rate = (J @ theta_2[..., None])[..., 0] + _jacobian_rate(theta, theta_1) + np.cross(turning, carried)
+        r, r_1, r_2 = _run_out(t / self._duration)
+        r, r_2 = r * self._duration, r_2 / self._duration
+        F = _exp(omega_0 * t)
+        F_T = F.transpose(0, 2, 1)
+        E_1, G, E_2 = _exp((1.0 - s) * self._turn), F_T @ R_g, _exp(r * self._spin + (1.0 - s) * self._left_out)
+        chi_1, chi_2 = r_1 * self._spin - rate * self._left_out, r_2 * self._spin - curve * self._left_out
+        omega_G, setting_in = _turned(F_T, V_g[:, 3:] - omega_0), _turned(G, chi_1)
+        y = _turned(E_1, omega_G + setting_in)
+        y_1 = (
+            _turned(F_T, A_g[:, 3:] - np.cross(omega_0, V_g[:, 3:])) + np.cross(omega_G, setting_in) + _turned(G, chi_2)
+        )
+        w = _turned(F, y - rate * self._turn)
+        w_1 = _turned(E_1, y_1) - curve * self._turn - np.cross(rate * self._turn, y)
+        omega, alpha = omega_0 + w, _turned(F, w_1) + np.cross(omega_0, w)
         return Motion(
             np.concatenate([place, goal.place[n:]]),
-            np.concatenate([E @ R_s, goal.rotation[n:]]),
-            np.concatenate([np.hstack([v, angular]), goal.velocity[n:]]),
-            np.concatenate([np.hstack([a, angular_rate]), goal.acceleration[n:]]),
+            np.concatenate([F @ E_1 @ G @ E_2, goal.rotation[n:]]),
+            np.concatenate([np.hstack([v, omega]), goal.velocity[n:]]),
+            np.concatenate([np.hstack([a, alpha]), goal.acceleration[n:]]),
         )
 
 
@@ -266,49 +278,24 @@ def _minimum_jerk(u: Floats) -> tuple[Floats, Floats, Floats]:
     )
 
 
-def _skew(x: Floats) -> Floats:
-    S = np.zeros((*x.shape, 3))
-    S[:, 0, 1], S[:, 0, 2], S[:, 1, 2] = -x[:, 2], x[:, 1], -x[:, 0]
-    return S - S.transpose(0, 2, 1)
-
-
-def _coefficients(x: Floats) -> tuple[Floats, ...]:
-    """Return sin x/x, a = (1 − cos x)/x², b = (x − sin x)/x³, and a'/x, b'/x; x the length of each vector, (N, 1)."""
-    t = np.linalg.norm(x, axis=1, keepdims=True)
-    w = t * t
-    near = t < _SMALL_ANGLE
-    t = np.where(near, 1.0, t)
-    sine, cosine = np.sin(t), np.cos(t)
-    a, b = (1.0 - cosine) / t**2, (t - sine) / t**3
+def _run_out(u: Floats) -> tuple[Floats, Floats, Floats]:
+    """Way, velocity and acceleration of the quintic that is zero at both ends, with rate 1 at the first."""
     return (
-        np.where(near, 1.0 - w / 6.0 + w * w / 120.0, sine / t),
-        np.where(near, 0.5 - w / 24.0 + w * w / 720.0, a),
-        np.where(near, 1.0 / 6.0 - w / 120.0 + w * w / 5040.0, b),
-        np.where(near, -1.0 / 12.0 + w / 180.0 - w * w / 6720.0, (sine / t - 2.0 * a) / t**2),
-        np.where(near, -1.0 / 60.0 + w / 1260.0 - w * w / 60480.0, (a - 3.0 * b) / t**2),
+        u * (1.0 - u) ** 3 * (1.0 + 3.0 * u),
+        (1.0 - u) ** 2 * (1.0 + u * (2.0 - 15.0 * u)),
+        u * (1.0 - u) * (60.0 * u - 36.0),
     )
 
 
+def _turned(R: Floats, x: Floats) -> Floats:
+    return np.asarray(np.einsum("kij,kj->ki", R, x))
+
+
 def _exp(x: Floats) -> Floats:
-    sine, a, *_ = _coefficients(x)
-    S = _skew(x)
-    return np.asarray(np.eye(3) + sine[..., None] * S + a[..., None] * (S @ S))
-
-
-def _jacobian(x: Floats) -> Floats:
-    """Left Jacobian of the exponential."""
-    _, a, b, *_ = _coefficients(x)
-    S = _skew(x)
-    return np.asarray(np.eye(3) + a[..., None] * S + b[..., None] * (S @ S))
-
-
-def _jacobian_rate(x: Floats, rate: Floats) -> Floats:
-    """Return the rate of the left Jacobian, times `rate`."""
-    _, _, b, a_1, b_1 = _coefficients(x)
-    along = np.sum(x * rate, axis=1, keepdims=True)
-    once = np.cross(x, rate)
-    return np.asarray(along * (a_1 * once + b_1 * np.cross(x, once)) + b * np.cross(rate, once))
-
-
-def _log(R: Floats) -> Floats:
-    return np.array([pin.log3(one) for one in R])
+    """Return the rotation (N, 3, 3) of each rotation vector (N, 3)."""
+    t = np.linalg.norm(x, axis=1)[:, None, None]
+    S = np.zeros((*x.shape, 3))
+    S[:, 0, 1], S[:, 0, 2], S[:, 1, 2] = -x[:, 2], x[:, 1], -x[:, 0]
+    S = S - S.transpose(0, 2, 1)
+    half = np.sinc(0.5 * t / np.pi)  # sin(t/2)/(t/2)
+    return np.asarray(np.eye(3) + np.sinc(t / np.pi) * S + 0.5 * half**2 * (S @ S))

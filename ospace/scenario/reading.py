@@ -18,6 +18,7 @@ from ospace.control import Base, Completion, Controller
 from ospace.control.base import MODES
 from ospace.control.solvers import solver_named
 from ospace.exceptions import OspaceError, ScenarioError, closest
+from ospace.joint_positions import Position
 from ospace.kernels.tables import Floats
 from ospace.points import parse_axes
 from ospace.robot import SpaceRobot
@@ -37,12 +38,18 @@ from ospace.scenario.description import (
     ToMomentum,
     ToPose,
 )
+from ospace.scenario.rehearsal import Rehearsal
 from ospace.scenario.table import Problems, Table
 from ospace.simulation import grasp, rigid_body, tumbling
 from ospace.state import State
 
 _LARGEST_FILE = 1_000_000
 _MOST_STEPS = 2_000_000
+_SHORTEST, _LONGEST = 1e-6, 10.0
+"""Of a control period and of a step, s."""
+_LIGHTEST, _SMALLEST = 1e-6, 1e-9
+"""Mass and principal moment of inertia of a target's body; kg, kg m²."""
+_OPTIONS = (("stiffness", "stiffness", None), ("damping_ratio", "number", 100.0), ("weight", "number", 1e6))
 _WITH_POINT = ("pose", "position", "orientation", "look_at", "relative_pose")
 _WITH_AXES = ("pose", "position", "orientation", "relative_pose", "centre_of_mass", "base_attitude", "momentum")
 _WITHOUT_GOAL = ("posture", "damping")
@@ -71,7 +78,7 @@ def load(path: str | os.PathLike[str]) -> Scenario:
     source = _text(file)
     try:
         data = tomllib.loads(source)
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:  # also a whole number of more digits than Python reads
         raise ScenarioError(file, [("", f"is no TOML: {error}")]) from None
     except RecursionError:
         raise ScenarioError(file, [("", "is no scenario: values are nested too deep")]) from None
@@ -171,10 +178,15 @@ class _Reading:
         self, table: Table, robot: SpaceRobot, positions: Mapping[str, float], T_WB: pin.SE3, v: Floats
     ) -> State | None:
         try:
-            return robot.state(robot.configuration(positions, T_WB), v)
+            return robot.state(robot.configuration(self.at_neutral(robot, positions), T_WB), v)
         except OspaceError as error:
             table.wrong("", str(error))
             return None
+
+    @staticmethod
+    def at_neutral(robot: SpaceRobot, positions: Mapping[str, float]) -> dict[str, Position]:
+        """Return positions of all joints: those given, and of the others one inside their limits."""
+        return robot.joint_positions(robot.neutral()) | dict(positions)
 
     def joints(self, table: Table | None, robot: SpaceRobot | None, linear: str, angular: str) -> dict[str, float]:
         """Read a quantity for each joint that is named."""
@@ -226,7 +238,7 @@ class _Reading:
         positions = self.joints(table.table("joints"), robot, "length", "angle")
         table.done()
         try:
-            return None if robot is None else tumbling(robot, T_WB, spin, drift, positions)
+            return None if robot is None else tumbling(robot, T_WB, spin, drift, self.at_neutral(robot, positions))
         except OspaceError as error:
             table.wrong("", str(error))
             return None
@@ -235,7 +247,7 @@ class _Reading:
         given = table.table("body")
         if given is None:
             return None
-        mass = given.quantity("mass", "mass", above=0.0)
+        mass = given.quantity("mass", "mass", least=_LIGHTEST)
         six = isinstance(given.data.get("inertia"), list) and len(given.data["inertia"]) == len(_TENSOR)
         inertia = given.vector("inertia", "inertia", count=6 if six else 3)
         if six:
@@ -253,6 +265,9 @@ class _Reading:
             framed.done()
         given.done()
         if self.problems.found:
+            return None
+        if not np.abs(np.linalg.eigvalsh(inertia) if six else inertia).min() >= _SMALLEST:
+            given.wrong("inertia", f"principal moments must be at least {_SMALLEST:g} kg m^2")
             return None
         try:
             return rigid_body(mass, inertia, centre, name=name, frames=frames)
@@ -283,8 +298,10 @@ class _Reading:
         plain = ControlPlan()
         if table is None:
             return plain
-        period = table.quantity("period", "time", plain.period, above=0.0)
-        step = table.quantity("step", "time", min(plain.step, period) if period > 0.0 else plain.step, above=0.0)
+        period = table.quantity("period", "time", plain.period, least=_SHORTEST, most=_LONGEST)
+        step = table.quantity(
+            "step", "time", min(plain.step, period) if period > 0.0 else plain.step, least=_SHORTEST, most=_LONGEST
+        )
         solver = table.text("solver", plain.solver)
         integrator = table.text("integrator", plain.integrator, _INTEGRATORS)
         try:
@@ -345,9 +362,9 @@ class _Reading:
             table.rest()
             return TaskPlan(table.key, "damping", name, {})
         options: dict[str, Any] = {}
-        for option, dimension in (("stiffness", "stiffness"), ("damping_ratio", "number"), ("weight", "number")):
+        for option, dimension, most in _OPTIONS:
             if option in table:
-                options[option] = table.quantity(option, dimension, least=0.0)
+                options[option] = table.quantity(option, dimension, least=0.0, most=most)
         if "level" in table:
             options["level"] = table.whole("level")
         completion = table.table("completion")
@@ -364,8 +381,8 @@ class _Reading:
             options["axes"] = self.axes(table)
         if kind == "look_at" and "axis" in table:
             axis = tuple(float(x) for x in table.vector("axis", "number"))
-            if not any(axis):
-                table.wrong("axis", "gives no direction: not all three may be zero")
+            if not np.linalg.norm(axis) > _WHOLE:
+                table.wrong("axis", f"gives no direction: not all three may be zero, or below {_WHOLE:g}")
             options["axis"] = axis
         if kind == "posture" and "posture" in table:
             options["posture"] = self.joints(table.table("posture"), start.robot if start else None, "length", "angle")
@@ -444,8 +461,9 @@ class _Reading:
     # -- a rehearsal -----------------------------------------------------------------------------------------
 
     def rehearse(self, made: Scenario) -> None:
-        """Make what each phase needs, with the robot that it will have, and note what cannot be made."""
+        """Make what each phase needs, with the robot that it will have, and note what cannot be made or reached."""
         robot, held = made.robot, False
+        robots = []
         for phase in made.phases:
             for task in phase.tasks:
                 self._rehearse_task(task, phase, robot, made, held)
@@ -458,6 +476,7 @@ class _Reading:
             except OspaceError as error:
                 self.problems.add(phase.key, str(error))
                 return
+            robots.append(robot)
             if isinstance(phase.action, GraspPlan):
                 taken = self._rehearse_grasp(phase.action, f"{phase.key}.grasp", made, held)
                 if taken is None:
@@ -468,6 +487,9 @@ class _Reading:
                     self.problems.add(f"{phase.key}.release", "nothing is held at the end of this phase")
                     return
                 robot, held = made.robot, False
+        reach = Rehearsal(made, self.problems)
+        for phase, robot in zip(made.phases, robots, strict=True):
+            reach.phase(phase, robot)
 
     def _rehearse_task(self, task: TaskPlan, phase: PhasePlan, robot: SpaceRobot, made: Scenario, held: bool) -> None:
         where = "" if task.key.startswith(phase.key) else f" (phase '{phase.name}')"
@@ -502,8 +524,12 @@ class _Reading:
         if not (hand and fixture):
             return None
         try:
-            points = made.robot.point(plan.hand), made.target.robot.point(plan.fixture)
-            return grasp(made.start, points[0], made.target, points[1]).state.robot
+            hand_point, fixture_point = made.robot.point(plan.hand), made.target.robot.point(plan.fixture)
+            q = made.target.q.copy()  # the target where it will be: at the hand
+            there = made.start.placement(hand_point) * made.target.placement(fixture_point).inverse()
+            q[:7] = pin.SE3ToXYZQUAT(there * made.target.robot.base_pose(q))
+            target = made.target.robot.state(q, made.target.v)
+            return grasp(made.start, hand_point, target, fixture_point).state.robot
         except OspaceError as error:
             self.problems.add(key, str(error))
             return None

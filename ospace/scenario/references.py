@@ -45,27 +45,39 @@ class Start:
             point = self.target.robot.point(goal.frame, offset=goal.offset)
             return self._approach(plan, pose, velocity, self.target.frame(point), goal.duration)
         if goal.duration == 0.0:
-            return Constant(self._goal(plan, pose, np.zeros(6)))
-        return self._approach(plan, pose, velocity, still(self._goal(plan, pose, velocity)), goal.duration)
+            return Constant(self._goal(plan, pose, np.zeros(6))[0])
+        there, turn = self._goal(plan, pose, velocity)
+        return self._approach(plan, pose, velocity, still(there), goal.duration, turn)
 
-    def _approach(self, plan: TaskPlan, pose: pin.SE3, velocity: Floats, goal: Goal, duration: float) -> Function:
+    def _approach(
+        self,
+        plan: TaskPlan,
+        pose: pin.SE3,
+        velocity: Floats,
+        goal: Goal,
+        duration: float,
+        turn: Floats | None = None,
+    ) -> Function:
+        first, period = self.cycle, self.period
         return Function(
-            Approach(pose, velocity, goal, duration=duration, first=self.cycle, period=self.period, name=plan.name)
+            Approach(pose, velocity, goal, duration=duration, first=first, period=period, turn=turn, name=plan.name)
         )
 
-    def _goal(self, plan: TaskPlan, pose: pin.SE3, velocity: Floats) -> pin.SE3:
-        """Return where a goal that stays is."""
+    def _goal(self, plan: TaskPlan, pose: pin.SE3, velocity: Floats) -> tuple[pin.SE3, Floats | None]:
+        """Return where a goal that stays is; and by which rotation vector it is reached, if that is known."""
         goal = plan.goal
         if isinstance(goal, ToPose):
-            return pin.SE3(
+            there = pin.SE3(
                 pose.rotation if goal.rotation is None else goal.rotation,
                 pose.translation if goal.position is None else goal.position,
             )
+            return there, None
         if isinstance(goal, Shift):
-            return pin.SE3(pin.exp3(goal.turn) @ pose.rotation, pose.translation + goal.shift)
-        # where a motion comes to rest whose speed falls as evenly as it may within the duration
-        way = 0.5 * (goal.duration if isinstance(goal, Hold) else 0.0) * velocity
-        return pin.SE3(pin.exp3(way[3:]) @ pose.rotation, pose.translation + way[:3])
+            shift, turn = goal.shift, goal.turn
+        else:  # where a motion comes to rest whose speed falls as evenly as it may within the duration
+            way = 0.5 * (goal.duration if isinstance(goal, Hold) else 0.0) * velocity
+            shift, turn = way[:3], way[3:]
+        return pin.SE3(pin.exp3(turn) @ pose.rotation, pose.translation + shift), turn
 
     def _now(self, plan: TaskPlan) -> tuple[pin.SE3, Floats]:
         """Return the pose that the task would hold, and its velocity where it is that of one point."""

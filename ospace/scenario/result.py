@@ -9,14 +9,16 @@ from typing import Literal
 
 import numpy as np
 
+from ospace.joint_positions import unit_of
 from ospace.kernels.tables import Floats
 from ospace.robot import SpaceRobot
 from ospace.scenario.description import LimitsPlan, Scenario
-from ospace.simulation import Certificate, Conserved, Grasp, Trajectory
+from ospace.simulation import Certificate, Conserved, Excess, Grasp, Trajectory
 
 Outcome = Literal["complete", "timed out", "interrupted", "failed"]
 _ROUNDING = {"torque": 1e-8, "position": 1e-6, "velocity": 1e-6}
-"""What may pass a limit, relative to the larger of it and 1."""
+"""What may pass a limit, relative to the larger of it and 1; of positions, rad or m."""
+_UNITS = {"torque": {"rad": "N m", "m": "N"}, "velocity": {"rad": "rad/s", "m": "m/s"}}
 BASE = "base"
 """Name of the base-link frame's origin among points."""
 
@@ -198,31 +200,36 @@ class Run(Verdict):
     interrupted: bool = False
 
     @property
-    def exceeded(self) -> dict[str, float]:
-        """Limits of joints that the motion passed, by ``'joint: kind'``, and by how much of their size."""
-        found: dict[str, float] = {}
+    def exceeded(self) -> dict[str, Excess]:
+        """Limits of joints that the motion passed, by ``'joint: kind'``, and how far at most."""
+        found: dict[str, Excess] = {}
         for segment in self.segments:
             for name, excess in _exceeded(segment, self.scenario.limits, self.scenario.robot).items():
-                found[name] = max(excess, found.get(name, 0.0))
+                if name not in found or excess.amount > found[name].amount:
+                    found[name] = excess
         return found
 
 
-def _exceeded(segment: Segment, plan: LimitsPlan, actuated: SpaceRobot) -> dict[str, float]:
+def _exceeded(segment: Segment, plan: LimitsPlan, actuated: SpaceRobot) -> dict[str, Excess]:
     robot, run, limits = segment.robot, segment.trajectory, plan.of(segment.robot, actuated)
-    index = [int(robot.model.idx_qs[j]) for j in range(2, robot.model.njoints)]
-    straight = np.array([robot.model.nqs[j] == 1 for j in range(2, robot.model.njoints)], dtype=bool)
-    position = np.where(straight, run.q[:, index], 0.0)
-    found: dict[str, float] = {}
-    for kind, values, low, high in (
-        ("torque", run.torque, -limits.torque, limits.torque),
-        ("position", position, limits.lower, limits.upper),
-        ("velocity", run.v[:, 6:], -limits.velocity, limits.velocity),
-    ):
-        past = np.maximum(values - high, low - values).max(axis=0)
-        for j, name in enumerate(robot.joint_names):
-            size = max(1.0, abs(high[j]) if np.isfinite(high[j]) else 1.0)
-            if past[j] > _ROUNDING[kind] * size:
-                found[f"{name}: {kind}"] = float(past[j] / size)
+    driven = set(actuated.joint_names)
+    found = {
+        f"{joint}: position": excess
+        for joint, excess in run.outside_limits.items()
+        if joint in driven and excess.amount > _ROUNDING["position"]
+    }
+    for kind, values, most in (("torque", run.torque, limits.torque), ("velocity", run.v[:, 6:], limits.velocity)):
+        past = np.abs(values) - most
+        for j in range(2, robot.model.njoints):
+            first = robot.model.idx_vs[j] - 6
+            own = past[:, first : first + robot.model.nvs[j]]
+            if own.shape[1] == 0:
+                continue
+            size = np.where(np.isfinite(most), np.maximum(1.0, most), 1.0)[first : first + own.shape[1]]
+            k, c = np.unravel_index(int(np.argmax(own)), own.shape)
+            if own[k, c] > _ROUNDING[kind] * size[c]:
+                unit = _UNITS[kind][unit_of(robot.model.joints[j])]
+                found[f"{robot.model.names[j]}: {kind}"] = Excess(float(own[k, c]), unit, float(run.time[k]))
     return found
 
 

@@ -82,7 +82,7 @@ class _Phase:
             solver=scenario.control.solver,
         )
         self._awaited = [task.name for task in tasks if task.completion is not None]
-        self._earliest = earliest(plan)
+        self._earliest = plan.earliest
         self.recording = Recording(self.controller)
         self.outcome: Outcome | None = None
 
@@ -122,15 +122,6 @@ class _Phase:
             sigma_min=recording.sigma_min,
             poses=recording.poses,
         )
-
-
-def earliest(plan: PhasePlan) -> float:
-    """Return the shortest time that a phase takes: its motions are done, and tests have held from then on; s."""
-    times = [plan.duration]
-    for task in plan.tasks:
-        motion = task.goal.duration if task.goal is not None and task.key.startswith(plan.key) else 0.0
-        times.append(motion + (task.completion.hold if task.completion else 0.0))
-    return max(times)
 
 
 class _Running:

@@ -80,24 +80,28 @@ class Table:
         *,
         least: float = -math.inf,
         above: float = -math.inf,
-        most: float = math.inf,
+        most: float | None = None,
         finite: bool = True,
     ) -> float:
-        """Return a quantity in SI units."""
+        """Return a quantity in SI units; NaN for a wrong one. Without `most`, the largest is that of its dimension."""
         value = self._given(name, default is None)
         if value is None:
             return math.nan if default is None else default
         number = self._parsed(name, value, dimension)
         if number is None:
             return math.nan
-        if finite and math.isinf(number):
-            self.wrong(name, f"{value!r} must be finite")
+        largest = units.LARGEST[dimension] if most is None else most
+        if math.isinf(number) and (finite or number < 0.0):
+            self.wrong(name, f"{_short(value)} must be finite")
         elif not (number > above and number >= least):
             bound = f"above {above:g}" if math.isfinite(above) else f"at least {least:g}"
-            self.wrong(name, f"{value!r} must be {bound}{_unit(dimension)}")
-        elif number > most:
-            self.wrong(name, f"{value!r} must be at most {most:g}{_unit(dimension)}")
-        return number
+            self.wrong(name, f"{_short(value)} must be {bound}{_unit(dimension)}")
+        elif abs(number) > largest and not math.isinf(number):
+            bound = f"at most {largest:g}" if number > 0.0 else f"at least {-largest:g}"
+            self.wrong(name, f"{_short(value)} must be {bound}{_unit(dimension)}")
+        else:
+            return number
+        return math.nan
 
     def vector(self, name: str, dimension: str, default: Sequence[float] | None = None, count: int = 3) -> Floats:
         """Return `count` finite quantities in SI units."""
@@ -109,17 +113,18 @@ class Table:
             return np.zeros(count)
         numbers = [self._parsed(f"{name}[{k}]", one, dimension) for k, one in enumerate(value)]
         for k, number in enumerate(numbers):
-            if number is not None and math.isinf(number):
-                self.wrong(f"{name}[{k}]", f"{value[k]!r} must be finite")
+            if number is not None and not abs(number) <= (largest := units.LARGEST[dimension]):
+                what = f"from {-largest:g} to {largest:g}{_unit(dimension)}"
+                self.wrong(f"{name}[{k}]", f"{_short(value[k])} must be {'finite' if math.isinf(number) else what}")
         return np.array([0.0 if one is None else one for one in numbers])
 
-    def whole(self, name: str, default: int | None = None, *, least: int = 0) -> int | None:
+    def whole(self, name: str, default: int | None = None, *, least: int = 0, most: int = 1000) -> int | None:
         """Return a whole number, or None where the key is missing."""
         value = self._given(name, False)
         if value is None:
             return default
-        if isinstance(value, bool) or not isinstance(value, int) or value < least:
-            self.wrong(name, f"{value!r}: give a whole number from {least} on")
+        if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
+            self.wrong(name, f"{value!r}: give a whole number from {least} to {most}")
             return default
         return value
 
@@ -189,6 +194,14 @@ class Table:
         except ValueError as error:
             self.wrong(name, str(error))
             return None
+
+
+def _short(value: object) -> str:
+    """Return how a value is written, if that is short enough to show."""
+    text = (
+        repr(value) if not isinstance(value, int) or abs(value) < 10**20 else f"a number of {value.bit_length()} bits"
+    )
+    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def _unit(dimension: str) -> str:

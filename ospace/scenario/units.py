@@ -28,6 +28,25 @@ UNITS: dict[str, dict[str, float]] = {
 }
 """Factors to SI by unit; the first is the SI unit itself."""
 
+LARGEST: dict[str, float] = {
+    "length": 1e9,
+    "angle": 1e4,
+    "time": 1e8,
+    "velocity": 1e6,
+    "angular velocity": 1e4,
+    "acceleration": 1e6,
+    "angular acceleration": 1e6,
+    "mass": 1e9,
+    "inertia": 1e15,
+    "force": 1e9,
+    "torque": 1e9,
+    "momentum": 1e12,
+    "angular momentum": 1e15,
+    "stiffness": 1e8,
+    "number": 1e6,
+}
+"""The largest amounts that a scenario may have, SI: beyond these, a run would show rounding and overflow alone."""
+
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[+-]?inf)\s*(.*?)\s*", re.DOTALL)
 
 
@@ -43,7 +62,10 @@ def parse(value: object, dimension: str) -> float:
     """
     units = UNITS[dimension]
     if isinstance(value, int | float) and not isinstance(value, bool):
-        number = float(value)
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf if value > 0 else -math.inf
     elif isinstance(value, str):
         found = _QUANTITY.fullmatch(value)
         if found is None:

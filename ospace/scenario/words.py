@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
 from ospace.kernels.tables import Floats
 from ospace.scenario.result import PhaseResult, Verdict
+from ospace.simulation import Excess
 
 _SHOWN = {"m": (1e3, "mm"), "rad": (180.0 / math.pi, "deg")}
 _MOST_LIMITS = 6
@@ -53,6 +54,11 @@ def remarks(phase: PhaseResult) -> Iterator[str]:
             f"{math.degrees(held.angle_error):.2g} deg; impulse {np.linalg.norm(held.impulse[:3]):.2g} N s, "
             f"{np.linalg.norm(held.impulse[3:]):.2g} N m s; {held.energy_lost:.2g} J lost"
         )
+
+
+def exceeded(limits: Mapping[str, Excess]) -> str:
+    """Return which limits of joints were passed, and how far."""
+    return ", ".join(f"{limit} by {excess}" for limit, excess in limits.items()) or "none"
 
 
 def verdict(run: Verdict) -> str:

@@ -7,7 +7,7 @@ from ospace.simulation.grasp import Grasp, grasp, release
 from ospace.simulation.measurement import Noise
 from ospace.simulation.simulate import simulate
 from ospace.simulation.target import rigid_body, tumbling
-from ospace.simulation.trajectory import Trajectory
+from ospace.simulation.trajectory import Excess, Trajectory
 
 __all__ = [
     "Actuation",
@@ -15,6 +15,7 @@ __all__ = [
     "Command",
     "Conserved",
     "Controller",
+    "Excess",
     "Grasp",
     "Noise",
     "SimulationError",

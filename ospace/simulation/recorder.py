@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
+from ospace.joint_positions import ROUNDING, BoundedCoordinates, unit_of
 from ospace.kernels.tables import Floats
 from ospace.robot import SpaceRobot
 from ospace.simulation.moving_frame import MovingFrame
 from ospace.simulation.plant import Plant
 from ospace.simulation.runge_kutta import Motion
-from ospace.simulation.trajectory import Trajectory
+from ospace.simulation.trajectory import Excess, Trajectory
 
 _ROTATION_SIZES = (2, 4)
 _BEFORE_ROTATION = {"JointModelFreeFlyer": 3, "JointModelPlanar": 2}  # numbers of q that are no rotation
@@ -67,6 +68,7 @@ class Recorder:
             total_mass=robot.total_mass,
             largest_inertia=self.plant.largest_inertia(self._q[0]),
             integrator=self.integrator,
+            outside_limits=outside_limits(robot, self.start + self._elapsed[taken], q),
             interrupted=interrupted,
         )
 
@@ -86,3 +88,16 @@ def rotation_drift(robot: SpaceRobot, Q: Floats) -> Floats:
             off = np.array([np.abs(pin.normalize(model, q) - q)[first : first + count].max() for q in Q])
         np.maximum(worst, off, out=worst)
     return worst
+
+
+def outside_limits(robot: SpaceRobot, time: Floats, Q: Floats) -> dict[str, Excess]:
+    """Return the joints that are beyond their limits in any row of `Q` (N, nq), and where they are farthest."""
+    model, bounded = robot.model, BoundedCoordinates.of(robot.model)
+    excess = bounded.excess(model, Q)
+    found: dict[str, Excess] = {}
+    for c in np.flatnonzero((excess > ROUNDING).any(axis=0)):
+        j, k = int(bounded.joint[c]), int(np.argmax(excess[:, c]))
+        name = str(model.names[j])
+        if name not in found or excess[k, c] > found[name].amount:
+            found[name] = Excess(float(excess[k, c]), unit_of(model.joints[j]), float(time[k]))
+    return found

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import os
-from dataclasses import dataclass, fields
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Self
 
@@ -12,9 +14,31 @@ import pinocchio as pin
 
 from ospace.exceptions import OspaceError
 from ospace.files import arrays
+from ospace.joint_positions import in_unit
 from ospace.kernels.tables import Floats
 from ospace.robot import SpaceRobot
 from ospace.simulation.certificate import Certificate, certify
+
+
+@dataclass(frozen=True)
+class Excess:
+    """How far a joint was beyond a limit, at its farthest.
+
+    Attributes
+    ----------
+    amount : float
+        Above the limit, in `unit`.
+    unit : str
+    time : float
+        When, s.
+    """
+
+    amount: float
+    unit: str
+    time: float
+
+    def __str__(self) -> str:
+        return f"{in_unit(self.amount, self.unit)} at {self.time:.6g} s"
 
 
 @dataclass(frozen=True)
@@ -52,6 +76,9 @@ class Trajectory:
         Mass (kg) and largest principal inertia of the locked robot at the start (kg m²): scales of the certificate.
     integrator : str
         Which one ran; it sets the limits of the certificate.
+    outside_limits : mapping of joint name to Excess
+        Joints whose position was beyond the limits of the model at any record, and how far at most; rad, or m. Nothing
+        stops a joint at its limit.
     interrupted : bool
         Ctrl-C ended the run.
     """
@@ -75,10 +102,19 @@ class Trajectory:
     total_mass: float
     largest_inertia: float
     integrator: str
+    outside_limits: Mapping[str, Excess]
     interrupted: bool = False
 
     def __len__(self) -> int:
         return len(self.time)
+
+    def __str__(self) -> str:
+        beyond = ", ".join(f"'{joint}' by {excess}" for joint, excess in self.outside_limits.items())
+        ended = ", interrupted" if self.interrupted else ""
+        what = (
+            f"{self.robot_name}: {self.time[-1] - self.time[0]:.6g} s in {len(self)} records, {self.integrator}{ended}"
+        )
+        return f"{what}\n{self.certificate()}\noutside limits of joints: {beyond or 'none'}"
 
     @property
     def momentum_in_user_frame(self) -> Floats:
@@ -122,7 +158,9 @@ class Trajectory:
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write everything to ``path``, compressed; the suffix is ``.npz``. Return the file's path."""
         file = Path(path).with_suffix(".npz")
-        np.savez_compressed(file, **{one.name: getattr(self, one.name) for one in fields(self)})
+        content = {one.name: getattr(self, one.name) for one in fields(self)}
+        beyond = {joint: asdict(excess) for joint, excess in self.outside_limits.items()}
+        np.savez_compressed(file, **content | {"outside_limits": json.dumps(beyond)})
         return file
 
     @classmethod
@@ -132,7 +170,12 @@ class Trajectory:
         missing = [one.name for one in fields(cls) if one.name not in stored]
         if missing or len(stored) != len(fields(cls)):
             raise OspaceError(f"{path}: holds no trajectory of this version of ospace; missing: {', '.join(missing)}")
-        return cls(**{name: value.item() if value.ndim == 0 else value for name, value in stored.items()})
+        content = {name: value.item() if value.ndim == 0 else value for name, value in stored.items()}
+        try:
+            beyond = {joint: Excess(**one) for joint, one in json.loads(content["outside_limits"]).items()}
+        except (TypeError, ValueError, AttributeError):
+            raise OspaceError(f"{path}: holds no trajectory: outside_limits cannot be read") from None
+        return cls(**content | {"outside_limits": beyond})
 
     def to_csv(self, folder: str | os.PathLike[str]) -> list[Path]:
         """Write each quantity to a file ``<quantity>.csv`` in `folder`: a line of names, then time and numbers.

@@ -134,5 +134,4 @@ def _remarks(run: Run) -> Iterator[str]:
         yield from words.remarks(phase)
     if run.not_begun:
         yield f"not begun: {', '.join(run.not_begun)}"
-    exceeded = ", ".join(f"{limit} by {excess:.2g}" for limit, excess in run.exceeded.items())
-    yield f"limits of joints exceeded: {exceeded or 'none'}"
+    yield f"limits of joints exceeded: {words.exceeded(run.exceeded)}"

@@ -339,3 +339,18 @@ def test_a_process_of_its_own(made):
     assert (done.returncode, but_for_compiling(done.stderr)) == (0, "")
     assert done.stdout.splitlines()[-1].startswith("passed: ")
     assert "\x1b[" not in done.stdout
+
+
+def test_a_start_outside_limits_is_told_by_check_and_by_the_run(run, made):
+    """planar_2r turns by at most 170 deg."""
+    file = made(SHORT.replace('joint_2 = "60 deg"', 'joint_2 = "200 deg"'))
+    status, out, _ = run(file, "--check")
+    assert status == 0
+    robot = ospace.SpaceRobot.from_urdf(ospace.models.path("planar_2r"))
+    excess = np.radians(200.0) - robot.model.upperPositionLimit[8]
+    assert excess > 0.0
+    told = f"by {excess:.3g} rad ({np.degrees(excess):.3g} deg)"
+    assert f"robot starts outside limits of joints: 'joint_2' {told}\n" in out
+    _, out, _ = run(file, "--headless")
+    assert f"limits of joints exceeded: joint_2: position {told} at 0 s" in out.replace("\n", " ")
+    assert "outside limits" not in run(made(), "--check")[1]

@@ -3,11 +3,12 @@
 import numpy as np
 import pinocchio as pin
 import pytest
+import trees
 
 import ospace
 from ospace.scenario import Approach, FreeMotion
 from ospace.scenario.motion import still
-from ospace.simulation import tumbling
+from ospace.simulation import rigid_body, tumbling
 
 PERIOD, DURATION = 1e-3, 2.0
 SPIN = np.array([0.3, -0.4, 0.5])
@@ -104,8 +105,80 @@ def test_a_goal_that_stays(begun):
     assert not np.any(acceleration)
 
 
-def test_half_a_turn_is_refused():
+def test_half_a_turn_and_more_of_the_goal_is_followed(target, begun):
+    """A target that turns by 1000 deg in the meantime, about an axis that moves: no jump, derivatives, and the end."""
+    spin = np.radians([60.0, -90.0, 130.0])
+    start = tumbling(target, pin.SE3(begun[0].rotation, np.ones(3)), spin, SPIN)
+    goal = FreeMotion(start).frame(target.point("grapple"))
+    way = Approach(*begun, goal, duration=6.0 + 1e-9)
+    for cycle in (1, 700, 1500, 2300, 3100, 3900, 4700, 5500, 5999):
+        _, velocity, acceleration = way(cycle * PERIOD)
+        first, second = rates(way, cycle)
+        np.testing.assert_allclose(velocity, first, rtol=0, atol=1e-4)
+        np.testing.assert_allclose(acceleration, second, rtol=0, atol=1e-4)
+    speeds = [np.linalg.norm(way(k * PERIOD)[1][3:]) for k in range(6000)]
+    assert max(speeds) < 3.0 * np.linalg.norm(spin)
+    pose, velocity, acceleration = way(6.0)
+    at = goal(6000, 6001)
+    np.testing.assert_allclose(pose.rotation, at.rotation[0], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(velocity, at.velocity[0], rtol=0, atol=1e-11)
+    np.testing.assert_allclose(acceleration, at.acceleration[0], rtol=0, atol=1e-6)
+
+
+def test_it_starts_with_a_point_that_turns_while_the_goal_does(target, begun):
+    way = Approach(*begun, free(target).frame(target.point("grapple")), duration=40.0)
+    pose, velocity, _ = way(0.0)
+    assert pose.isApprox(begun[0], 1e-14)
+    np.testing.assert_allclose(velocity, begun[1], rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("seconds", [10.0, 36.0, 40.0, 90.0, 400.0])
+def test_whole_turns_of_the_goal_are_left_out(seconds):
+    """A target that turns by 5 deg/s: the point turns by half a turn at most, and ends with it."""
+    period = 0.01
+    body = rigid_body(50.0, (3.0, 4.0, 5.0))
+    goal = FreeMotion(tumbling(body, pin.SE3.Identity(), np.radians([0.0, 0.0, 5.0])), period=period).frame(
+        body.point("target")
+    )
+    origin = pin.SE3(pin.exp3(np.array([0.0, 0.0, 0.4])), np.zeros(3))
+    way = Approach(origin, np.zeros(6), goal, duration=seconds, period=period)
+    n = round(seconds / period)
+    turned = [0.5 * period * (way(k * period)[1][5] + way((k + 1) * period)[1][5]) for k in range(n)]
+    assert abs(sum(turned)) < np.pi + 1e-3
+    assert max(abs(v) for v in turned) < np.radians(5.0) * period * 2.0 + 2.0 * np.pi / n
+    end = pin.exp3(np.array([0.0, 0.0, np.radians(5.0 * seconds)]))
+    np.testing.assert_allclose(way(seconds)[0].rotation, end, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(pin.exp3(np.array([0.0, 0.0, 0.4 + sum(turned)])), end, rtol=0, atol=1e-4)
+
+
+def test_half_a_turn_is_one_turn_about_one_axis():
     upside_down = pin.SE3(pin.exp3(np.array([np.pi, 0.0, 0.0])), np.zeros(3))
-    way = Approach(pin.SE3.Identity(), np.zeros(6), still(upside_down), duration=1.0, name="hand")
-    with pytest.raises(ospace.OspaceError, match="task 'hand' is to turn by more than 175 deg"):
-        way(0.0)
+    way = Approach(pin.SE3.Identity(), np.zeros(6), still(upside_down), duration=1.0)
+    axes = np.array([way(k * PERIOD)[1][3:] for k in range(1, 1000)])
+    assert np.sum(np.linalg.norm(axes, axis=1)) * PERIOD == pytest.approx(np.pi, abs=1e-6)
+    np.testing.assert_allclose(axes[:, 1:], 0.0, atol=1e-12)
+    assert way(1.0)[0].isApprox(upside_down, 1e-12)
+
+
+@pytest.mark.parametrize("turns", [-2.25, 0.6, 1.0, 3.5])
+def test_a_given_turn_is_made_in_full(turns):
+    axis = np.array([0.0, 0.6, 0.8])
+    turn = 2.0 * np.pi * turns * axis
+    origin = pin.SE3(pin.exp3(np.array([0.3, 0.2, 0.1])), np.zeros(3))
+    goal = pin.SE3(pin.exp3(turn) @ origin.rotation, np.zeros(3))
+    way = Approach(origin, np.zeros(6), still(goal), duration=1.0, turn=turn)
+    made = sum(way(k * PERIOD)[1][3:] @ axis for k in range(1001)) * PERIOD
+    assert made == pytest.approx(2.0 * np.pi * turns, abs=1e-6)
+    assert way(1.0)[0].isApprox(goal, 1e-12)
+
+
+def test_a_goal_of_a_target_with_friction_accelerates_as_the_target_does():
+    model = pin.Model(trees.tree(4, 3, ("revolute",)).model)
+    model.damping = np.r_[np.zeros(6), [1.0, 2.0, 3.0]]
+    robot = ospace.SpaceRobot.from_model(model)
+    start = trees.state(robot, 4)
+    period = 1e-4
+    goal = FreeMotion(start, period=period).frame(robot.point("link_2"))
+    before, at, after = (goal(k, k + 1) for k in (99, 100, 101))
+    change = (after.velocity - before.velocity) / (2 * period)
+    np.testing.assert_allclose(at.acceleration, change, rtol=0, atol=1e-5)

@@ -32,7 +32,7 @@ joint_3 = "1 rpm"
 
 [target]
 model = "target"
-position = ["100 cm", 0, 0]
+position = ["100100 cm", 0, 0]
 spin = ["1 deg/s", 0, 0]
 
 [limits]
@@ -192,7 +192,7 @@ MISTAKES = {
         "nothing is held",
     ),
     "no target": (
-        '[target]\nmodel = "target"\nposition = ["100 cm", 0, 0]\nspin = ["1 deg/s", 0, 0]',
+        '[target]\nmodel = "target"\nposition = ["100100 cm", 0, 0]\nspin = ["1 deg/s", 0, 0]',
         "",
         "phase[0].task[0].goal.follow",
         "no target",
@@ -276,7 +276,7 @@ frames = { grapple = { position = ["-1 m", 0, 0], quaternion = [0, 0, 1, 0] } }
     [
         ('"hold"', Hold, lambda goal: goal.duration == 0.0),
         ('{ hold = true, duration = "2 s" }', Hold, lambda goal: goal.duration == 2.0),
-        ('{ position = ["1 m", 0, 0] }', ToPose, lambda goal: goal.position[0] == 1.0 and goal.rotation is None),
+        ('{ position = ["1 km", 0, 0] }', ToPose, lambda goal: goal.position[0] == 1e3 and goal.rotation is None),
         ('{ rpy = [0, 0, "180 deg"] }', ToPose, lambda goal: goal.position is None and goal.rotation[0, 0] == -1.0),
         ('{ turn = ["1 deg", 0, 0] }', Shift, lambda goal: goal.turn[0] == math.radians(1.0)),
     ],
@@ -343,3 +343,165 @@ def test_the_docs_name_every_key():
         assert re.search(rf"\b{key}\b", page), key
     for kind in scenario.description.TASKS:
         assert f'`"{kind}"`' in page
+
+
+# -- what can be known not to run ----------------------------------------------------------------------------------
+
+REACHING = """
+[robot]
+model = "planar_2r"
+joints = { joint_1 = "20 deg", joint_2 = "60 deg" }
+[target]
+position = [1.0, 0.5, 0]
+[target.body]
+mass = 50
+inertia = [3, 4, 5]
+frames = { knob = { position = [0.2, 0, 0] } }
+[[task]]
+name = "rest"
+type = "damping"
+[[phase]]
+name = "wait"
+duration = "1 s"
+timeout = "2 s"
+[[phase]]
+name = "go"
+timeout = "10 s"
+[[phase.task]]
+name = "tip"
+type = "pose"
+point = "end_effector"
+goal = { follow = "knob", duration = "4 s" }
+completion = { position = "1 mm" }
+"""
+FAR = REACHING.replace("position = [1.0, 0.5, 0]", "position = [9.0, 0.5, 0]")
+GRASPING = REACHING.replace(
+    'timeout = "10 s"', 'timeout = "10 s"\ngrasp = { hand = "end_effector", fixture = "knob", position = "5 mm" }'
+)
+WAITING = REACHING[: REACHING.index('[[phase]]\nname = "go"')]
+OUT = "phase[1].task[0].goal", "out of reach of 'end_effector'"
+REFUSED = {
+    "a target too far away": (FAR, *OUT),
+    "a place too far away": (REACHING.replace('follow = "knob"', "position = [-7, 0, 0]"), *OUT),
+    "a shift too far away": (REACHING.replace('follow = "knob"', "shift = [0, 30, 0]"), *OUT),
+    "a target that has gone by then": (
+        REACHING.replace("[target.body]", 'velocity = ["2 m/s", 0, 0]\n[target.body]'),
+        *OUT,
+    ),
+    "a target that has not come by then": (
+        FAR.replace("[target.body]", 'velocity = ["-0.2 m/s", 0, 0]\n[target.body]'),
+        *OUT,
+    ),
+    "a robot that leaves": (REACHING.replace("[target]", 'velocity = ["-1 m/s", 0, 0]\n[target]', 1), *OUT),
+    "a relative pose too far apart": (
+        REACHING.replace('type = "pose"', 'type = "relative_pose"\nseen_from = "base"').replace(
+            'follow = "knob"', "position = [9, 0, 0]"
+        ),
+        "phase[1].task[0].goal",
+        "is 9 m from 'base'",
+    ),
+    "a grasp where nothing moves": (
+        WAITING.replace('duration = "1 s"', 'duration = "1 s"\ngrasp = { hand = "end_effector", fixture = "knob" }'),
+        "phase[0].grasp",
+        "no task moves 'end_effector'",
+    ),
+    "a grasp from too far": (
+        GRASPING.replace('follow = "knob"', 'follow = "knob", offset = { position = ["-20 cm", 0, 0] }'),
+        "phase[1].grasp",
+        "is at least 199 mm from 'knob' where task 'tip' is done: a grasp needs 5 mm",
+    ),
+}
+
+
+@pytest.mark.parametrize(("text", "key", "what"), REFUSED.values(), ids=REFUSED)
+def test_what_cannot_run_is_refused(read, text, key, what):
+    with pytest.raises(scenario.ScenarioError) as refusal:
+        read(text)
+    assert what in dict(refusal.value.problems)[key]
+
+
+VALID = {
+    "as it is": REACHING,
+    "grasped": GRASPING,
+    "no completion: followed as far as it goes": FAR.replace("completion = { position", "#").replace(
+        'timeout = "10 s"', 'timeout = "10 s"\nduration = "5 s"'
+    ),
+    "thrusters go there": FAR.replace('"planar_2r"', '"planar_2r"\nbase = "thrusters"'),
+    "a target that comes": FAR.replace("[target.body]", 'velocity = ["-1 m/s", 0, 0]\n[target.body]'),
+    "both drift along": REACHING.replace("[target.body]", 'velocity = ["5 m/s", 0, 0]\n[target.body]').replace(
+        "[target]", 'velocity = ["5 m/s", 0, 0]\n[target]', 1
+    ),
+    "an axis along which it is near": FAR.replace(
+        '"pose"', '"position"\naxes = [false, true, false, false, false, false]'
+    ),
+    "the tool has a handle": GRASPING.replace(
+        'follow = "knob"', 'follow = "knob", offset = { position = ["-20 cm", 0, 0] }'
+    ).replace('point = "end_effector"', 'point = "end_effector"\noffset = { position = ["-20 cm", 0, 0] }'),
+}
+
+
+@pytest.mark.parametrize("text", VALID.values(), ids=VALID)
+def test_what_may_run_is_not_refused(read, text):
+    assert read(text).phases
+
+
+@pytest.mark.parametrize(
+    ("was", "now", "key"),
+    [
+        ("[[task]]", '[control]\nperiod = "1e300 s"\n[[task]]', "control.period"),
+        ("[[task]]", "[control]\nperiod = 1e-300\n[[task]]", "control.period"),
+        ("[[task]]", "[control]\nstep = 1e-320\n[[task]]", "control.step"),
+        ('type = "damping"', 'type = "damping"\nweight = 1e308', "task[0].weight"),
+        ('type = "damping"', 'type = "damping"\nweight = 1' + "0" * 400, "task[0].weight"),
+        ('type = "damping"', 'type = "damping"\nstiffness = 1e200', "task[0].stiffness"),
+        ('type = "damping"', 'type = "damping"\ndamping_ratio = 1e9', "task[0].damping_ratio"),
+        ('type = "damping"', 'type = "damping"\nlevel = 99999999999', "task[0].level"),
+        ("mass = 50", "mass = 1e300", "target.body.mass"),
+        ("mass = 50", "mass = 1e-300", "target.body.mass"),
+        ("[3, 4, 5]", "[1e-310, 1e-310, 1e-310]", "target.body.inertia"),
+        ("[3, 4, 5]", "[1e300, 1e300, 1e300]", "target.body.inertia[0]"),
+        ("[1.0, 0.5, 0]", "[1e200, 0, 0]", "target.position[0]"),
+        ("[1.0, 0.5, 0]", '[0, 0, 0]\nvelocity = ["1e300 m/s", 0, 0]', "target.velocity[0]"),
+        ("[1.0, 0.5, 0]", '[0, 0, 0]\nspin = ["1e300 rad/s", 0, 0]', "target.spin[0]"),
+        ('joint_1 = "20 deg"', "joint_1 = 1e300", "robot.joints.joint_1"),
+        ('timeout = "2 s"', "timeout = 1e300", "phase[0].timeout"),
+    ],
+)
+def test_numbers_beyond_all_measure_are_refused(read, was, now, key):
+    assert was in REACHING
+    with pytest.raises(scenario.ScenarioError) as refusal:
+        read(REACHING.replace(was, now, 1))
+    what = dict(refusal.value.problems)[key]
+    assert re.search("must be (from|at most|at least|finite)|give a whole number from 0 to|at least 1e-09", what), what
+    assert len(what) < 200
+
+
+def test_a_whole_number_of_thousands_of_digits(read):
+    with pytest.raises(scenario.ScenarioError, match="is no TOML"):
+        read(REACHING.replace("mass = 50", "mass = " + "9" * 5000))
+
+
+def test_joints_that_are_not_given_start_inside_their_limits(read, tmp_path):
+    text = Path(ospace.models.path("planar_2r")).read_text().replace('lower="-2.9671"', 'lower="0.5"')
+    (tmp_path / "shifted.urdf").write_text(text)
+    made = read(SHORT_START.replace("planar_2r", "shifted.urdf"))
+    assert made.robot.outside_limits(made.start.q) == {}
+    np.testing.assert_array_equal(made.start.q, made.robot.neutral())
+    given = read(
+        SHORT_START.replace("planar_2r", "shifted.urdf").replace("[[phase]]", "joints = { joint_1 = 0.7 }\n[[phase]]")
+    )
+    assert given.start.q[7] == 0.7
+    assert given.start.q[8] == made.start.q[8]
+
+
+SHORT_START = """
+[robot]
+model = "planar_2r"
+[[phase]]
+name = "wait"
+duration = 1
+timeout = 1
+[[phase.task]]
+name = "rest"
+type = "damping"
+"""

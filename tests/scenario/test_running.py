@@ -219,8 +219,8 @@ def test_a_phase_that_does_not_complete(made):
     assert run.duration == pytest.approx(0.45)
 
 
-def test_a_grasp_out_of_reach(made):
-    text = SHORT.replace("[control]", '[target]\nmodel = "target"\nposition = [9, 0, 0]\n[control]')
+def test_a_grasp_where_the_hand_did_not_go(made):
+    text = SHORT.replace("[control]", '[target]\nmodel = "target"\nposition = [2.5, 0, 0]\n[control]')
     run = scenario.run(
         made(text.replace("[[phase.task]]", 'grasp = {hand = "end_effector", fixture = "grapple"}\n[[phase.task]]'))
     )
@@ -295,15 +295,42 @@ def test_a_simulation_that_fails_keeps_what_was_run(made, monkeypatch):
     assert run.duration == pytest.approx(0.205)
 
 
-def test_a_phase_that_cannot_begin(made):
+def test_a_phase_that_cannot_begin(made, monkeypatch):
     """The one before it stays complete."""
-    turning = SHORT.replace('type = "position"', 'type = "pose"').replace(
-        'shift = ["-1 cm", "1 cm", 0]', 'turn = [0, 0, "180 deg"]'
-    )
-    run = scenario.run(made(turning))
+    honest = running.Start.reference
+
+    def reference(start, plan):
+        if plan.name == "tip":
+            raise ospace.OspaceError("nothing to follow")
+        return honest(start, plan)
+
+    monkeypatch.setattr(running.Start, "reference", reference)
+    run = scenario.run(made(SHORT))
     assert [phase.outcome for phase in run.phases] == ["complete", "failed"]
-    assert "turn by more than 175 deg" in run.phases[1].reason
+    assert run.phases[1].reason == "nothing to follow"
     assert run.phases[1].start == run.phases[1].end
+
+
+@pytest.mark.parametrize("turn", [-200.0, 180.0, 500.0])
+def test_a_turn_of_any_angle_is_made(made, turn):
+    """By the base, on wheels; 500 deg is one whole turn and 140 deg."""
+    text = SHORT.replace("[control]", 'base = "wheels"\n[control]', 1)
+    text = (
+        text[: text.index("[[phase.task]]")].replace('timeout = "0.4 s"', 'timeout = "9 s"')
+        + f"""
+[[phase.task]]
+name = "base"
+type = "base_attitude"
+goal = {{ turn = [0, 0, "{turn} deg"], duration = "8 s" }}
+completion = {{ angle = "1 deg", hold = "0.1 s" }}
+"""
+    )
+    run = scenario.run(made(text))
+    assert run.complete, [phase.reason for phase in run.phases]
+    q, v = run.segments[0].trajectory.q, run.segments[0].trajectory.v
+    turned = np.trapezoid(v[:, 5], run.segments[0].trajectory.time)
+    assert math.degrees(turned) == pytest.approx(turn, abs=1.5)
+    assert abs(q[-1, 3:7] @ pin.SE3ToXYZQUAT(pin.SE3(pin.exp3(np.radians([0, 0, turn])), np.zeros(3)))[3:]) > 0.9998
 
 
 @pytest.mark.parametrize("when", [0.0, 0.03, 0.045, 0.05, 0.2, 0.35])

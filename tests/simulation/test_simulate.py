@@ -404,3 +404,27 @@ def test_a_scale_without_bound_fails(certified, scale):
         assert not certificate[name].passed
         assert certificate["work and energy"].passed
     assert certified.certificate().passed
+
+
+# -- limits of joints ----------------------------------------------------------------------------------------------
+
+
+def test_joints_beyond_their_limits_are_told_with_amount_and_time(tmp_path):
+    robot = SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")
+    upper = robot.model.upperPositionLimit[7:]
+    q, v = robot.configuration({"joint_1": upper[0] - 0.05, "joint_2": upper[1] + 0.2}), np.zeros(8)
+    v[6] = 1.0
+    run = simulate(robot, q, v, duration=0.1)
+    assert set(run.outside_limits) == {"joint_1", "joint_2"}
+    for joint, column in (("joint_1", 7), ("joint_2", 8)):
+        excess = run.outside_limits[joint]
+        assert excess.amount == pytest.approx((run.q[:, column] - upper[column - 7]).max(), rel=1e-12)
+        assert excess.time == run.time[np.argmax(run.q[:, column])]
+        assert excess.unit == "rad"
+        assert f"'{joint}' by {excess.amount:.3g} rad ({np.degrees(excess.amount):.3g} deg) at" in str(run)
+    assert robot.outside_limits(run.q[-1]).keys() == run.outside_limits.keys()
+    file = run.save(tmp_path / "run")
+    assert Trajectory.load(file).outside_limits == run.outside_limits
+    inside = simulate(robot, robot.neutral(), np.zeros(8), duration=0.01)
+    assert inside.outside_limits == {}
+    assert str(inside).endswith("outside limits of joints: none")
