@@ -25,6 +25,8 @@ _COLOURS = {
     "agrees": "green",
     "differs": "bold red",
     "undecided": "yellow",
+    "sound": "bold green",
+    "unsound": "bold red",
     "error": "bold red",
     "warning": "yellow",
     "info": "cyan",
@@ -48,7 +50,8 @@ def add_to(verbs: Any) -> None:
         help="check a URDF and the dynamics computed from it",
         description="Read a URDF, compute every quantity of the paper by its recursion, and compare it with Pinocchio "
         "over random states. Exit status: 0 sound, 1 findings of level error, 2 unreadable input, unwritable output or "
-        "wrong usage, 130 interrupted.",
+        "wrong usage, 130 interrupted. Where nothing is wrong and too few digits are left to vouch for every quantity, "
+        "the verdict is undecided, with status 0.",
     )
     verb.add_argument("urdf", metavar="URDF", nargs="?", help="a file, or the name of a robot that comes with ospace")
     verb.add_argument(
@@ -205,8 +208,7 @@ def _show(console: Console, result: Report, urdf: str) -> None:
         console.print()
         console.print(_agreement(result, console.is_terminal))
         console.print(f"\n{words.agreement(result)}")
-    colour = "bold red" if result.errors else "bold green"
-    console.print(f"[{colour}]{result.verdict}[/]: {plain(urdf)}: {words.summary(result)}")
+    console.print(f"[{_COLOURS[result.verdict]}]{result.verdict}[/]: {plain(urdf)}: {words.summary(result)}")
 
 
 def _agreement(result: Report, terminal: bool) -> Table:

@@ -22,6 +22,9 @@ from ospace.kernels.tables import Floats
 from ospace.points import OperationalPoint, point_set
 from ospace.state import State
 
+RANK_CUTOFF = 1e-6
+"""Scaled singular values of a Jacobian below this share of the largest, or of 1, count as zero."""
+
 
 class Dense:
     """Dense forms in one state, each computed when it is first asked for.
@@ -208,10 +211,15 @@ class Dense:
         return np.asarray(J_b @ solve(self.H[:6, :6], J_b.T))
 
 
+def scaled_singular_values(J: Floats, mobility: Floats, inertia: Floats) -> Floats:
+    """Return the singular values of `J`, rows over √mobility and columns over √inertia."""
+    return np.asarray(np.linalg.svd(J / np.sqrt(np.outer(mobility, inertia)), compute_uv=False), dtype=np.float64)
+
+
 def rank_of(J: Floats, mobility: Floats, inertia: Floats) -> int:
-    """Return the rank of `J`, rows over √mobility and columns over √inertia, singular values below 1e-6 being zero."""
-    values = np.linalg.svd(J / np.sqrt(np.outer(mobility, inertia)), compute_uv=False)
-    return int((values > 1e-6 * max(1.0, values.max(initial=0.0))).sum())
+    """Return the rank of `J` by its scaled singular values, those below `RANK_CUTOFF` being zero."""
+    values = scaled_singular_values(J, mobility, inertia)
+    return int((values > RANK_CUTOFF * max(1.0, values.max(initial=0.0))).sum())
 
 
 def inverse_of_rank(A: Floats, rank: int) -> Floats:

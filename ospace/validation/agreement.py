@@ -7,22 +7,22 @@ cancel is measured against the size of the terms instead (1 for what is inertia 
 
 **Bound.** nv · FACTOR · ε · κ: machine epsilon, times the condition numbers of what is inverted on the way (each of
 the matrix with unit diagonal, so that units do not count), times a small factor and the number of coordinates summed.
+What goes through an inverse of Γ_e⁻¹ or Λ⁻¹ is bounded by the perturbation of that inverse (`validation.perturbation`);
+the bound is infinite where rounding decides on the rank.
 A state whose bound passes `UNDECIDED` leaves too few digits to tell agreement from chance: it cannot vouch for the
 quantity, and the row says how many states could.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-
 from ospace.validation.quantities import TABLE
 from ospace.validation.sample import Sample
 
-FACTOR = 16.0
 UNDECIDED = 1e-4
 
 Verdict = Literal["agrees", "differs", "undecided"]
@@ -53,7 +53,7 @@ class Agreement:
     @property
     def verdict(self) -> Verdict:
         """Return "differs" where the error passes the bound, "undecided" where no state could tell."""
-        if not self.error <= self.bound:
+        if not _within(self.error, self.bound):
             return "differs"
         return "agrees" if self.telling else "undecided"
 
@@ -66,10 +66,9 @@ class AgreementTable:
 
     def add(self, sample: Sample) -> None:
         """Compare every quantity in one more state."""
-        unit = sample.state.robot.nv * FACTOR * float(np.finfo(float).eps)
         for seen, quantity in zip(self._seen, TABLE, strict=True):
             compared = quantity.compare(sample)
-            seen.append((compared.error, unit * compared.condition))
+            seen.append((compared.error, sample.unit * compared.condition))
 
     def rows(self) -> list[Agreement]:
         """Return the table."""
@@ -83,6 +82,11 @@ def summary(
     quantity: str, equation: str, computed_by: str, checked_against: str, seen: Sequence[tuple[float, float]]
 ) -> Agreement:
     """Sum up (error, bound) of every state: the worst of those that can tell, or that differ all the same."""
-    telling = [(error, bound) for error, bound in seen if bound <= UNDECIDED or not error <= bound]
-    error, bound = max(telling or seen, key=lambda one: (not one[0] <= one[1], one[0] / one[1]))
+    telling = [(error, bound) for error, bound in seen if bound <= UNDECIDED or not _within(error, bound)]
+    error, bound = max(telling or seen, key=lambda one: (not _within(*one), one[0] / one[1]))
     return Agreement(quantity, equation, computed_by, checked_against, error, bound, len(telling), len(seen))
+
+
+def _within(error: float, bound: float) -> bool:
+    """Return whether an error is within its bound; one that is not finite is within none."""
+    return math.isfinite(error) and error <= bound

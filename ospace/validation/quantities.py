@@ -10,6 +10,7 @@ import numpy as np
 from ospace.dynamics.dense import solve
 from ospace.dynamics.joint_space import inverse_dynamics, momentum
 from ospace.kernels.tables import Floats
+from ospace.validation.perturbation import Factor
 from ospace.validation.sample import Sample
 
 
@@ -27,12 +28,21 @@ class Comparison(NamedTuple):
     @property
     def error(self) -> float:
         """The scaled difference over the scaled size."""
-        if not self.reference.size:
-            return 0.0
+        return float(np.abs(self._scale * (self.value - self.reference)).max(initial=0.0) / self.size)
+
+    @property
+    def size(self) -> float:
+        """The scaled size of the reference, or its natural one."""
+        return float(np.abs(self._scale * self.reference).max(initial=self.natural))
+
+    @property
+    def _scale(self) -> Floats:
         rows = np.asarray(self.rows)[..., None] if self.reference.ndim == 2 else np.asarray(self.rows)
-        scale = rows * np.asarray(self.columns)
-        size = np.abs(scale * self.reference).max()
-        return float(np.abs(scale * (self.value - self.reference)).max() / max(size, self.natural))
+        return np.asarray(rows * np.asarray(self.columns))
+
+    def off_by(self, units: float) -> Comparison:
+        """Return the comparison of a scaled quantity that may be off by so many units of rounding."""
+        return self._replace(condition=max(1.0, units / self.size))
 
 
 Compare = Callable[[Sample], Comparison]
@@ -180,7 +190,7 @@ def inertia_inverse_by_minverse(s: Sample) -> Comparison:
 def inertia(s: Sample) -> Comparison:
     reference = s.dense.Gamma_e
     scale = 1.0 / s.point_scale
-    return Comparison(s.operational.inertia, reference, scale, scale, s.condition_Gamma)
+    return Comparison(s.operational.inertia, reference, scale, scale).off_by(s.Gamma.of())
 
 
 @quantity("bias acceleration", "42-44", "forward chain", "crba, rnea, drift")
@@ -189,19 +199,29 @@ def bias_acceleration(s: Sample) -> Comparison:
     return Comparison(value, s.dense.mu, s.point_scale, 1.0, s.condition_mobility, s.speed)
 
 
+def _bias(s: Sample, value: Floats) -> Factor:
+    return s.factor(value[:, None], s.dense.mu[:, None], s.point_scale, 1.0, s.condition_mobility, s.speed)
+
+
 @quantity("bias force", "45", "forward chain", "dense (10)")
 def bias_force(s: Sample) -> Comparison:
     Gamma = s.dense.Gamma_e
     J_e_plus = s.dense.response @ Gamma
     reference = J_e_plus.T @ s.dense.c - Gamma @ s.dense.drift
-    return Comparison(s.operational.bias_force, reference, 1.0 / s.point_scale, 1.0, s.condition_Gamma, s.speed)
+    off = s.Gamma.of(right=_bias(s, s.operational.bias_acceleration))
+    return Comparison(s.operational.bias_force, reference, 1.0 / s.point_scale, natural=s.speed).off_by(off)
 
 
 @quantity("dynamically consistent inverse J_e+", "11", "response sweep", "pin.crba")
 def dynamically_consistent_inverse(s: Sample) -> Comparison:
     reference = s.dense.response @ s.dense.Gamma_e
     value = s.operational.dynamically_consistent_inverse
-    return Comparison(value, reference, s.velocity_scale, 1.0 / s.point_scale, s.condition_Gamma)
+    return Comparison(value, reference, s.velocity_scale, 1.0 / s.point_scale).off_by(s.Gamma.of(_response(s)))
+
+
+def _response(s: Sample) -> Factor:
+    value, reference = s.operational.response, s.dense.response
+    return s.factor(value, reference, s.velocity_scale, s.point_scale, s.condition_mobility)
 
 
 @quantity("null-space projector 1 - J_e+ J_e", "11", "response sweep", "pin.crba")
@@ -209,19 +229,28 @@ def null_space_projector(s: Sample) -> Comparison:
     Gamma = s.dense.Gamma_e
     reference = np.eye(s.state.robot.nv) - s.dense.response @ Gamma @ s.dense.J_e
     value = s.operational.null_space_projector
-    return Comparison(value, reference, s.velocity_scale, s.force_scale, s.condition_Gamma)
+    condition = (s.lever + s.point_lever) ** 0.5
+    J_e = s.factor(s.operational.jacobian, s.dense.J_e, s.point_scale, s.force_scale, condition)
+    return Comparison(value, reference, s.velocity_scale, s.force_scale).off_by(s.Gamma.of(_response(s), J_e))
 
 
 def _worst_point(s: Sample, compare: Compare) -> Comparison:
-    """Compare at each point by itself."""
-    return max((compare(alone) for alone in s.each_point), key=lambda one: one.error / one.condition)
+    """Compare at each point by itself: a point that differs, or else that of which least can be told."""
+    compared = [compare(alone) for alone in s.each_point]
+    return max(compared, key=lambda one: (not one.error <= s.unit * one.condition, one.condition))
+
+
+def _lost_by_the_inverted_chain(s: Sample) -> float:
+    """Return by what terms exceed what is left of them: the chain adds up inertias about the base, not mobilities."""
+    return s.lever + s.point_lever
 
 
 @quantity("inertia of each point", "33, 34", "inverted chain", "dense (9)")
 def inverted_inertia(s: Sample) -> Comparison:
     def at(one: Sample) -> Comparison:
         scale = 1.0 / one.point_scale
-        return Comparison(one.inverted.inertia, one.dense.Gamma_e, scale, scale, one.condition_Gamma)
+        off = one.Gamma.of(Factor(np.eye(len(scale)), _lost_by_the_inverted_chain(one)))
+        return Comparison(one.inverted.inertia, one.dense.Gamma_e, scale, scale).off_by(off)
 
     return _worst_point(s, at)
 
@@ -230,8 +259,10 @@ def inverted_inertia(s: Sample) -> Comparison:
 def inverted_bias_force(s: Sample) -> Comparison:
     def at(one: Sample) -> Comparison:
         reference = one.dense.Gamma_e @ one.dense.mu
-        value, scale = one.inverted.bias_force, 1.0 / one.point_scale
-        return Comparison(value, reference, scale, 1.0, one.condition_Gamma, s.speed)
+        mu = _bias(one, one.operational.bias_acceleration)
+        size = max(one.speed, float(np.abs(mu.value).max()))
+        off = one.Gamma.of(right=mu._replace(off=mu.off + _lost_by_the_inverted_chain(one) * size))
+        return Comparison(one.inverted.bias_force, reference, 1.0 / one.point_scale, natural=s.speed).off_by(off)
 
     return _worst_point(s, at)
 
@@ -254,7 +285,7 @@ def base_inertia_inverse(s: Sample) -> Comparison:
 def floating_inertia(s: Sample) -> Comparison:
     reference = s.dense.Lambda
     scale = 1.0 / s.point_scale
-    return Comparison(s.floating.floating_inertia, reference, scale, scale, s.condition_Lambda)
+    return Comparison(s.floating.floating_inertia, reference, scale, scale).off_by(s.Lambda.of())
 
 
 @quantity("floating bias acceleration", "12", "composite forces", "crba, rnea, drift")
@@ -275,7 +306,9 @@ def floating_consistent_inverse(s: Sample) -> Comparison:
     Lambda = s.dense.Lambda
     reference = s.dense.torque_map.T @ Lambda
     value = s.floating.dynamically_consistent_inverse
-    return Comparison(value, reference, s.velocity_scale[6:], 1.0 / s.point_scale, s.condition_Lambda)
+    scale = s.velocity_scale[6:]
+    response = s.factor(s.floating.torque_map.T, s.dense.torque_map.T, scale, s.point_scale, s.condition_mobility)
+    return Comparison(value, reference, scale, 1.0 / s.point_scale).off_by(s.Lambda.of(response))
 
 
 @quantity("floating + base = operational", "12", "response, composite", "forward chain")
@@ -288,7 +321,8 @@ def inertias_add_up(s: Sample) -> Comparison:
 def biases_agree(s: Sample) -> Comparison:
     value = s.operational.inertia @ s.floating.bias_acceleration
     reference = s.operational.bias_force
-    return Comparison(value, reference, 1.0 / s.point_scale, 1.0, s.condition_Gamma, s.speed)
+    off = s.Gamma.of(right=_bias(s, s.floating.bias_acceleration))
+    return Comparison(value, reference, 1.0 / s.point_scale, natural=s.speed).off_by(off)
 
 
 @quantity("motion under forces, free-flying", "8", "forward chain", "pin.aba")

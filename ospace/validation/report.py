@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pinocchio as pin
@@ -22,7 +22,9 @@ from ospace.validation.placements import IndependentReader
 from ospace.validation.sample import Sample, condition
 from ospace.validation.sampling import random_state
 
-SCHEMA_VERSION = 1
+Verdict = Literal["sound", "undecided", "unsound"]
+
+SCHEMA_VERSION = 2
 UNITS = "SI: m, kg, s, rad, N, N m; six-vectors linear part first"
 _PLACEMENT_BOUND = 1e-12
 
@@ -63,9 +65,14 @@ class Report:
         return wrong + sum(row.verdict == "differs" for row in self.agreement)
 
     @property
-    def verdict(self) -> str:
-        """Return "sound" or "unsound"."""
-        return "unsound" if self.errors else "sound"
+    def undecided(self) -> int:
+        """Rows of the table of which no state could tell whether they agree."""
+        return sum(row.verdict == "undecided" for row in self.agreement)
+
+    @property
+    def verdict(self) -> Verdict:
+        """Return "unsound" with any error, else "undecided" with any row undecided, else "sound"."""
+        return "unsound" if self.errors else "undecided" if self.undecided else "sound"
 
     def as_dict(self) -> dict[str, Any]:
         """Return the document that ``--json`` prints; ``report.schema.json`` beside this file describes it."""

@@ -22,6 +22,9 @@ from ospace.kernels import composite
 from ospace.kernels.tables import Floats
 from ospace.points import OperationalPoint
 from ospace.state import State
+from ospace.validation.perturbation import Factor, InversePerturbation, rank_is_decided
+
+FACTOR = 16.0
 
 
 class Sample:
@@ -60,6 +63,11 @@ class Sample:
         return [Sample(self.state, [point], np.random.default_rng(0)) for point in self.points]
 
     # -- scales and conditions -------------------------------------------------------------------------------
+
+    @cached_property
+    def unit(self) -> float:
+        """What rounding may amount to where nothing is inverted and nothing cancels."""
+        return self.state.robot.nv * FACTOR * float(np.finfo(float).eps)
 
     @cached_property
     def velocity_scale(self) -> Floats:
@@ -119,22 +127,51 @@ class Sample:
     def condition_mobility(self) -> float:
         return self.condition_H + self.point_lever
 
-    @cached_property
-    def condition_Gamma(self) -> float:
-        return self._condition_of_inverse(self.dense.Gamma_e_inv, self.dense.rank)
+    # -- products with an inverse ----------------------------------------------------------------------------
 
     @cached_property
-    def condition_Lambda(self) -> float:
-        return self._condition_of_inverse(self.dense.Lambda_inv, self.dense.floating_rank)
+    def Gamma(self) -> InversePerturbation:
+        """How far Γ_e may be off."""
+        condition = (self.lever + self.point_lever) ** 0.5
+        value, dense = self.operational.inertia_inverse, self.dense
+        return self._inverse(value, dense.Gamma_e_inv, dense.rank, dense.J_e, np.diag(dense.H), condition)
 
-    def _condition_of_inverse(self, A: Floats, rank: int) -> float:
-        """Condition of A = J H⁻¹ Jᵀ on its range (scaled at full rank, else as it stands) times that of H."""
-        if not rank:
-            return 1.0
-        full = rank == len(A)
-        eigenvalues = np.linalg.eigvalsh(A * np.outer(self.point_scale, self.point_scale) if full else A)
-        of_range = float(max(eigenvalues[-1], 1.0 if full else 0.0) / abs(eigenvalues[len(A) - rank]))
-        return condition(self.dense.H) * of_range + self.lever + self.point_lever
+    @cached_property
+    def Lambda(self) -> InversePerturbation:
+        """How far Λ may be off."""
+        condition = self.condition_H_b * (self.lever + self.point_lever) ** 0.5
+        value, dense = self.floating.floating_inertia_inverse, self.dense
+        inertia = np.diag(dense.H_m_star)
+        return self._inverse(value, dense.Lambda_inv, dense.floating_rank, dense.J_m_star, inertia, condition)
+
+    def _inverse(
+        self, value: Floats, A: Floats, rank: int, J: Floats, inertia: Floats, condition_J: float
+    ) -> InversePerturbation:
+        mobility, scale = np.diag(self.dense.Gamma_e_inv), self.point_scale
+        off = self.factor(value, A, scale, scale, self.condition_mobility).off
+        decided = rank_is_decided(J, mobility, inertia, off=condition_J, unit=self.unit)
+        return InversePerturbation(A, rank, scale, off=off, unit=self.unit, decided=decided)
+
+    def factor(
+        self,
+        value: Floats,
+        reference: Floats,
+        rows: Floats,
+        columns: Floats | float,
+        condition: float,
+        natural: float = 1.0,
+    ) -> Factor:
+        """Return a scaled matrix, and how far it is off in this state: twice the difference of both sides.
+
+        What that difference does to a product with an inverse is known to first order; the other half is for the
+        second. It counts as no further off than its own row of the table allows. The condition there is that of the
+        worst case; times the condition of an inverse it would leave no digit where there are plenty.
+        """
+        scale = rows[:, None] * columns
+        scaled = scale * reference
+        size = max(natural, float(np.abs(scaled).max(initial=0.0)))
+        met = 2.0 * float(np.linalg.norm(scale * value - scaled)) / self.unit
+        return Factor(scaled, min(size * condition, max(size, met)))
 
 
 def condition(A: Floats) -> float:

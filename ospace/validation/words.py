@@ -45,17 +45,20 @@ def verdict(row: Agreement) -> str:
 
 def agreement(report: Report) -> str:
     """Return how many quantities agree, over which states."""
-    decided = sum(row.verdict == "agrees" for row in report.agreement)
+    agreeing = sum(row.verdict == "agrees" for row in report.agreement)
     return (
-        f"{decided} of {len(report.agreement)} quantities agree over {report.samples} states "
+        f"{agreeing} of {len(report.agreement)} quantities agree over {report.samples} states "
         f"(seed {report.seed}, every second state 7e6 m from the origin)"
     )
 
 
 def summary(report: Report) -> str:
-    """Return how many errors and warnings there are."""
+    """Return how many errors and warnings there are, and how many quantities are undecided if any is."""
     warnings = sum(finding.severity == "warning" for finding in report.findings)
-    return f"{number(report.errors, 'error')}, {number(warnings, 'warning')}"
+    texts = [number(report.errors, "error"), number(warnings, "warning")]
+    if report.undecided:
+        texts.append(f"{report.undecided} of {len(report.agreement)} quantities undecided")
+    return ", ".join(texts)
 
 
 def number(count: int, what: str) -> str:

@@ -180,6 +180,35 @@ def test_simple_robots_are_sound(document, urdf, parts, seed):
     assert status == 0
 
 
+SMALL_WHEEL = BODY.format(0.05, 1e-6)
+SMALL_WHEELS = [
+    link("base", UNIT),
+    *(link(f"wheel_{k}", SMALL_WHEEL) for k in range(2)),
+    *(joint(f"spin_{k}", "continuous", f"wheel_{k}").replace("0.3 0 0.1", f"0 {0.15 - 0.3 * k} 0") for k in range(2)),
+    "".join(link(f"sensor_{k}", "") for k in range(3)),
+    *(joint(f"at_{k}", "fixed", f"sensor_{k}").replace("0.3 0 0.1", f"0.{k} 0.1 0.2") for k in range(3)),
+]
+"""Λ⁻¹ at a wheel is 1e12 times that at a sensor: no digit is left of its inverse on the range."""
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_an_undecided_robot_is_neither_sound_nor_unsound(run, document, schema, urdf, page, seed):
+    file = urdf(*SMALL_WHEELS)
+    given = (file, *(f"--point={name}" for name in ("sensor_0", "sensor_1", "sensor_2", "wheel_0")), "--samples", 3)
+    status, report = document(*given, "--seed", seed)
+    rows = [row["verdict"] for row in report["agreement"]]
+    assert (status, report["verdict"], rows.count("differs")) == (0, "undecided", 0)
+    jsonschema.Draft202012Validator(schema).validate(report)
+    for wrong in ("sound", "unsound"):
+        assert not jsonschema.Draft202012Validator(schema).is_valid({**report, "verdict": wrong})
+    status, out, _ = run("check", *given, "--seed", seed, "--html", page)
+    undecided, warnings = rows.count("undecided"), "1 warning"  # its inertia is the unit matrix
+    assert 0 < undecided < len(rows)
+    last = f"undecided: {file}: 0 errors, {warnings}, {undecided} of {len(rows)} quantities undecided"
+    assert (status, out.splitlines()[-2]) == (0, last)
+    assert f'<span class="verdict open">undecided</span> {file}: {last.partition(f"{file}: ")[2]}' in page.read_text()
+
+
 def test_the_table_has_every_quantity(run):
     _, out, _ = run("check", "chaser_24dof", "--samples", 2, "--point", "right_hand", "--point", "head")
     for quantity, equation, computed_by, checked_against, _ in quantities.TABLE:
