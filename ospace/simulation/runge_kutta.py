@@ -36,7 +36,7 @@ from ospace.simulation.plant import Plant
 _WEIGHTS = np.array([1.0, 2.0, 2.0, 1.0]) / 6.0
 _LARGEST_DECAY = 2.0
 _LARGEST_LOSS = 1e-11
-"""Of energy in a step, relative to what there is of it."""
+"""Of energy in a step, relative to the most that there was."""
 _MOST_PARTS = 1000
 """Of a step, beyond which a run would not end."""
 _MOST_DOUBLINGS = 5
@@ -77,6 +77,8 @@ class RungeKutta4:
         self._u, self._u_2 = np.empty((2, plant.robot.nv))
         self._stages = list(zip(self._V, self._A, strict=True))
         self._rates = np.empty((4, 7))
+        self._parts = 1  # of the last step with friction
+        self._scale = 0.0  # of energy so far, J
 
     def step(self, t: float, h: float, motion: Motion) -> None:
         """Bring `motion` from time `t` to `t` + `h`, s."""
@@ -89,13 +91,16 @@ class RungeKutta4:
                 f"friction of the joints of '{self.plant.robot.name}' is too steep for steps of {h:g} s: take steps "
                 f"below {h * _MOST_PARTS / parts:.1g} s, or integrator='symplectic', which is stable with any friction"
             )
-        for _ in range(_MOST_DOUBLINGS):
+        most = parts << _MOST_DOUBLINGS
+        parts = max(parts, self._parts // 2)  # what the last step took, and whether fewer do
+        while True:
             trial = replace(motion)
             for k in range(parts):
                 self._part(t + k * h / parts, h / parts, trial)
-            if self._kept(motion, trial):
+            if self._kept(motion, trial) or 2 * parts > most:
                 break
             parts *= 2
+        self._parts = parts
         motion.q, motion.v, motion.impulse = trial.q, trial.v, trial.impulse
         motion.work, motion.dissipated = trial.work, trial.dissipated
 
@@ -104,7 +109,8 @@ class RungeKutta4:
         energies = [self.plant.momentum(one.q, one.v)[2] for one in (before, after)]
         work = after.work - before.work
         off = energies[1] - energies[0] - work + after.dissipated - before.dissipated
-        return not abs(off) > _LARGEST_LOSS * (energies[0] + abs(work))
+        self._scale = max(self._scale, energies[0] + abs(before.work))
+        return not abs(off) > _LARGEST_LOSS * (self._scale + abs(work))
 
     def _part(self, t: float, h: float, motion: Motion) -> None:
         plant, u = self.plant, self._u
