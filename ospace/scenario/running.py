@@ -6,6 +6,7 @@ import math
 import time as clock
 from collections.abc import Callable
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -30,8 +31,15 @@ _GRASP_LIMIT = 1e-9
 """Of momentum and energy in a grasp, relative to their scales."""
 
 
-Moment = Callable[[], tuple[State, State | None]]
-"""Returns the states of robot and target, each by itself, also where it holds the target."""
+class States(NamedTuple):
+    """States at one time: of robot and target, each by itself, and of the robot together with what it holds."""
+
+    robot: State
+    target: State | None
+    combined: State
+
+
+Moment = Callable[[], States]
 
 
 def run(
@@ -171,11 +179,12 @@ class _Running:
             self.interrupted,
         )
 
-    def states(self, cycle: int, q: Floats, v: Floats) -> tuple[State, State | None]:
-        """Return the states of robot and target by themselves at a cycle, of which (q, v) is the controlled robot's."""
+    def states(self, cycle: int, q: Floats, v: Floats) -> States:
+        """Return the states at a cycle, of which (q, v) is the controlled robot's."""
+        state = self.state.robot.state(q, v)
         if self.held is not None:
-            return self.held.release(q, v)
-        return self.state.robot.state(q, v), None if self.target is None else self.target.state(cycle)
+            return States(*self.held.release(q, v), state)
+        return States(state, None if self.target is None else self.target.state(cycle), state)
 
     def _free(self, state: State) -> FreeMotion:
         control = self.scenario.control

@@ -71,8 +71,13 @@ Way = Callable[[Floats, Floats, Floats], Floats]
 def keys_of(time: Floats, X: Floats, way: Way, error: float) -> Ints:
     """Return the records of `X` (N, k) to keep, so that `way` between them is off by no more than `error` in any other.
 
-    Where every record is kept, the error is what it is.
+    Where every record is kept, the error is what it is. Records that no time of a page lies between are a jump: both
+    are kept, and what lies before and after is a motion each.
     """
+    jumps = np.flatnonzero(np.diff(time) <= np.spacing(time[1:].astype(np.float32))) + 1
+    if jumps.size:
+        parts = np.split(np.arange(len(time)), jumps)
+        return np.concatenate([part[keys_of(time[part], X[part], way, error)] for part in parts])
     last = len(time) - 1
     if last < 2:
         return np.arange(last + 1)

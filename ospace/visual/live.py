@@ -14,6 +14,7 @@ import numpy as np
 from ospace.scenario import Run, Scenario
 from ospace.scenario.running import Moment
 from ospace.simulation.moving_frame import MovingFrame
+from ospace.state import State
 from ospace.visual import run_report
 from ospace.visual.server import LOOPBACK, Server
 
@@ -62,9 +63,15 @@ class Live:
             self._began = clock.perf_counter() - time
         while (early := time - (clock.perf_counter() - self._began)) > 0.0:
             clock.sleep(min(early, _LONGEST))
-        seen = [self._frame.leave(np.array([time]), one.q[None], one.v[None]) for one in states() if one is not None]
-        (q, v), *others = seen
-        self._scene.display(q[0], v[0], [other[0] for other, _ in others])
+        now = states()
+        combined = self._seen(time, now.combined)
+        robot = combined if now.robot is now.combined else self._seen(time, now.robot)
+        others = [] if now.target is None else [self._seen(time, now.target).q]
+        self._scene.display(robot.q, robot.v, others, combined=combined)
+
+    def _seen(self, time: float, state: State) -> State:
+        q, v = self._frame.leave(np.array([time]), state.q[None], state.v[None])
+        return state.robot.state(q[0], v[0])
 
     def replay(self, run: Run) -> None:
         """Give the page the whole run as an animation, and serve it until Ctrl-C."""

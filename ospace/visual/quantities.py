@@ -82,7 +82,10 @@ class Quantity(ABC):
 
     @abstractmethod
     def place(self, state: State) -> Placed:
-        """Yield paths and placements (4, 4) as seen from the base's origin, inertial axes, m."""
+        """Yield paths and placements (4, 4) as seen from the base's origin, inertial axes, m.
+
+        The state is that of the robot, or of the robot combined with what it holds.
+        """
 
 
 class MassCentre(Quantity):
@@ -119,7 +122,7 @@ class OperationalInertia(Quantity):
 
     def place(self, state: State) -> Placed:
         """Place its nodes, as `Quantity.place`."""
-        for path, point in zip(self.paths, self._points, strict=True):
+        for path, point in zip(self.paths, _on(state.robot, self._points), strict=True):
             at = state.placement_about_base(point).translation
             try:
                 masses, axes = np.linalg.eigh(operational_space(state, point).inertia)
@@ -150,7 +153,7 @@ class Manipulability(Quantity):
 
     def place(self, state: State) -> Placed:
         """Place its nodes, as `Quantity.place`."""
-        for floating, held, point in zip(self._floating, self._held, self._points, strict=True):
+        for floating, held, point in zip(self._floating, self._held, _on(state.robot, self._points), strict=True):
             at = state.placement_about_base(point).translation
             J_m = operational_space(state, point, method="dense").jacobian[:, 6:]
             for path, J in ((floating, generalized_jacobian(state, point).generalized_jacobian), (held, J_m)):
@@ -226,6 +229,14 @@ QUANTITIES: tuple[type[Quantity], ...] = (MassCentre, OperationalInertia, Manipu
 
 def _linear(points: Sequence[OperationalPoint]) -> list[OperationalPoint]:
     return [replace(point, axes=(True, True, True, False, False, False)) for point in points]
+
+
+def _on(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> list[OperationalPoint]:
+    """Return the points on a combined robot, which has all frames of the robot that they were made for."""
+    return [
+        point if point.robot is robot else replace(robot.point(point.frame, axes=point.axes), placement=point.placement)
+        for point in points
+    ]
 
 
 def _ellipsoid(axes: Floats, lengths: Floats, at: Floats, least: float) -> Floats:

@@ -77,8 +77,9 @@ def scene_of(scenario: Scenario) -> Scene:
 
 
 def animate(scene: Scene, run: Run) -> None:
-    """Show a run in the scene of its scenario."""
-    scene.animate(*motions_of(run))
+    """Show a run in the scene of its scenario; quantities are those of each segment's robot."""
+    segments = [(segment.robot, segment.trajectory) for segment in run.segments]
+    scene.animate(*motions_of(run), segments=segments)
 
 
 def motions_of(run: Run) -> tuple[Records, ...]:

@@ -62,6 +62,10 @@ class Records(NamedTuple):
     v: Floats
 
 
+_Part = tuple[SpaceRobot, Floats, Floats, Floats]
+"""A robot, and its motion: time (N,), q (N, nq), v (N, nv)."""
+
+
 class _Player:
     """A robot in the scene, and what moves with it."""
 
@@ -181,7 +185,14 @@ class Scene:
 
     # -- how it moves ----------------------------------------------------------------------------------------
 
-    def display(self, q: npt.ArrayLike, v: npt.ArrayLike | None = None, others: Sequence[npt.ArrayLike] = ()) -> None:
+    def display(
+        self,
+        q: npt.ArrayLike,
+        v: npt.ArrayLike | None = None,
+        others: Sequence[npt.ArrayLike] = (),
+        *,
+        combined: State | None = None,
+    ) -> None:
         """Show the robot in a configuration.
 
         Parameters
@@ -192,6 +203,8 @@ class Scene:
             Velocity, for the arrows of momentum; zero without it.
         others : sequence of (nq,)
             Configurations of the robots that were added, in their order; without it they stay where they are.
+        combined : State, optional
+            Of the robot combined with what it holds, such as that of a `Grasp`: quantities are those of it.
 
         Raises
         ------
@@ -216,18 +229,27 @@ class Scene:
             own[:3] -= self.frame.origin
             for path, pose in zip(player.figure.nodes, player.nodes(own), strict=True):
                 self.stage.set_transform(path, pin.XYZQUATToSE3(pose).homogeneous)
-        self._place(self.robot.state(q, v))
+        held = None if combined is None or combined.robot is self.robot else combined
+        if held is None:
+            self._place(self.robot.state(q, v))
+        else:
+            own = held.q.copy()
+            own[:3] -= self.frame.origin
+            self._place(held.robot.state(own, held.v))
         if not self._displayed:
             self._surround(*([own] for own in seen))
         self._displayed = True
 
-    def animate(self, *motions: Motion) -> None:
+    def animate(self, *motions: Motion, segments: Sequence[tuple[SpaceRobot, Motion]] = ()) -> None:
         """Show a motion; the page gets a time slider.
 
         Parameters
         ----------
         motions : Motion
             Such as a `Trajectory`: of the robot, and of each other one in the scene, over the same time.
+        segments : sequence of SpaceRobot and Motion
+            Motions of the robot combined with what it holds, or alone, one after the other over the same time:
+            quantities are those of them, and change at once from one to the next. Those of the robot alone without it.
 
         Raises
         ------
@@ -254,7 +276,7 @@ class Scene:
             for j, path in enumerate(player.figure.nodes):
                 moved[path] = times, poses[:, j]
             seen.append((time, Q, V))
-        moved |= self._quantities_along(*seen[0])
+        moved |= self._quantities_along([(self.robot, *seen[0])] if not segments else self._seen(segments, start))
         self.duration = float(seen[0][0][-1])
         made, between_keys = animation(moved)
         self.error = between_records + between_keys
@@ -262,10 +284,28 @@ class Scene:
         self._surround(*(Q[:: max(1, len(Q) // _SAMPLES)] for _, Q, _ in seen))
         self._displayed = True
 
-    def _quantities_along(self, time: Floats, Q: Floats, V: Floats) -> dict[str, tuple[Floats, Floats]]:
-        wanted = np.linspace(0.0, time[-1], max(2, round(time[-1] * _QUANTITY_RATE)))
-        records = np.unique(np.searchsorted(time, wanted).clip(0, len(time) - 1))
-        states = [self.robot.state(Q[k], V[k]) for k in records]
+    def _seen(self, segments: Sequence[tuple[SpaceRobot, Motion]], start: float) -> list[_Part]:
+        """Return motions as seen from the frame."""
+        parts = []
+        for robot, motion in segments:
+            time = np.asarray(motion.time) - start
+            parts.append((robot, time, *self.frame.inverse.leave(time, motion.q, motion.v)))
+        return parts
+
+    def _quantities_along(self, parts: Sequence[_Part]) -> dict[str, tuple[Floats, Floats]]:
+        times: list[npt.NDArray[np.float32]] = []
+        states: list[State] = []
+        for k, (robot, time, Q, V) in enumerate(parts):
+            span = time[-1] - time[0]
+            wanted = time[0] + np.linspace(0.0, span, max(2, round(span * _QUANTITY_RATE)))
+            records = np.unique(np.searchsorted(time, wanted).clip(0, len(time) - 1))
+            own = time[records].astype(np.float32)
+            if k + 1 < len(parts):  # the last of it stands just before the first of the next, by a page's own clock
+                own[-1] = np.nextafter(np.float32(parts[k + 1][1][0]), np.float32(0.0))
+            later = np.flatnonzero(np.diff(np.r_[times[-1][-1] if times else np.float32(-1.0), own]) > 0.0)
+            times.append(own[later])
+            states += [robot.state(Q[records[one]], V[records[one]]) for one in later]
+        at = np.concatenate(times).astype(np.float64)
         moved = {}
         for quantity in self._quantities:
             quantity.measure(states)
@@ -276,7 +316,7 @@ class Scene:
                     placed[path].append(T)
             for path, places in placed.items():
                 poses = [_pose_and_scale(T) for T in (steadied(places) if quantity.round else places)]
-                moved[path] = time[records], np.array(poses)
+                moved[path] = at, np.array(poses)
         return moved
 
     def _place(self, state: State) -> None:

@@ -2,7 +2,9 @@
 
 import http.client
 
+import missions
 import numpy as np
+import pinocchio as pin
 import pytest
 import umsgpack
 
@@ -107,3 +109,31 @@ def test_a_robot_in_orbit_stays_in_the_picture(plan):
 def test_points_at_different_places_of_one_frame_are_all_shown(plan):
     labels = [label for label in run_report.scene_of(plan).content().labels if label.layer == "points"]
     assert [label.text for label in labels] == ["end_effector", "end_effector"]
+
+
+def test_while_a_target_is_held_quantities_are_those_of_both(tmp_path):
+    """The ball of the centre of mass, as it is displayed first in each segment."""
+    file = tmp_path / "mission.toml"
+    file.write_text(missions.MISSION)
+    plan = scenario.load(file)
+    robots, off = [], []
+    with Live(plan) as live:
+
+        def watch(time, states):
+            combined = states().combined
+            due = live._due
+            live.watch(time, states)
+            if live._due != due and (not robots or robots[-1] is not combined.robot):
+                placed = {
+                    one["path"]: np.array(one["matrix"][12:15])
+                    for one in map(umsgpack.unpackb, live._scene.stage.commands())
+                    if one["type"] == "set_transform"
+                }
+                model = combined.robot.model
+                centre = pin.centerOfMass(model, model.createData(), combined.q) - combined.q[:3]
+                off.append(placed["/quantities/mass centre"] - placed["/robots/0 planar_2r/base"] - centre)
+                robots.append(combined.robot)
+
+        scenario.run(plan, watch=watch)
+    assert [robot.name for robot in robots] == ["planar_2r", "planar_2r+target", "planar_2r"]
+    np.testing.assert_allclose(off, 0.0, atol=1e-8)
