@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from numbers import Real
 
@@ -10,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ospace.exceptions import OspaceError
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 
 
 def real_numbers(given: object) -> Floats:
@@ -34,13 +33,21 @@ def real_numbers(given: object) -> Floats:
 
 def checked_number(given: object, name: str) -> float:
     """Return `given` as a float; raises `OspaceError` unless it is one finite real number."""
-    try:
-        number = real_numbers(given)
-    except (TypeError, ValueError):
-        number = np.empty(0)
-    if number.shape != () or not math.isfinite(number):
+    number = checked_numbers(given, name)
+    if number.shape != ():
         raise OspaceError(f"{name} is {given!r}: give a finite number")
     return float(number)
+
+
+def checked_numbers(given: object, name: str) -> Floats:
+    """Return `given` as an array of float64; raises `OspaceError` unless all are finite real numbers."""
+    try:
+        numbers = real_numbers(given)
+    except (TypeError, ValueError):
+        numbers = np.full(1, np.nan)
+    if not np.isfinite(numbers).all():
+        raise OspaceError(f"{name} is {given!r}: give a finite number")
+    return numbers
 
 
 def checked_names(given: object, known: Iterable[str], what: str) -> tuple[str, ...]:

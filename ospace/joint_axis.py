@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 
 
 def joint_axis(joint: pin.JointModel) -> Floats:

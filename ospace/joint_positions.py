@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from ospace.checks import real_numbers
 from ospace.exceptions import OspaceError
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 
 Position: TypeAlias = float | Floats | Any
 """Angle or displacement; (x, y, θ) of a planar joint; `pin.SE3` of a floating one; Pinocchio's numbers of any other."""

@@ -12,22 +12,25 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
-from ospace.kernels.tables import Floats
+from ospace.kernels import evaluation, kinematics, workspace
+from ospace.kernels.tree import Floats
+from ospace.model.layout import Layout
 
 _SE3, _MOTION = 12, 6  # numbers from one body to the next
 
 
 class PinocchioPass:
-    """`pin.Data` of a model, and what a pass leaves in it as arrays.
+    """`pin.Data` of a model, what a pass leaves in it as arrays, and the links that kernels make of them.
 
     Attributes
     ----------
     placements : (njoints, 12) rotation by columns, then translation, of each joint; world axes and origin.
     accelerations : (njoints, 6) spatial accelerations at zero q̈; world axes and origin.
     columns : (nv, 6) joint columns; world axes and origin.
+    q : (nq,) the configuration of the last pass, quaternions at unit length.
     """
 
-    def __init__(self, model: pin.Model) -> None:
+    def __init__(self, model: pin.Model, layout: Layout) -> None:
         self.model = model
         self.data = model.createData()
         self._still = np.zeros(model.nv)
@@ -37,14 +40,34 @@ class PinocchioPass:
             self.placements = np.zeros((model.njoints, _SE3))
             self.accelerations = np.zeros((model.njoints, _MOTION))
             self.columns = np.zeros((model.nv, 6))
+        self._memory = memory = workspace.lay_out(layout.with_points((), (), np.zeros(0, dtype=np.int64)), layout.nq)
+        self._links = workspace.links(memory)
+        self.q, self._q_beside_base = workspace.view(memory, "q")[:, 0], workspace.view(memory, "q_beside_base")[:, 0]
+        self._v_beside_base = workspace.view(memory, "v_beside_base")[:, 0]
+        self._diagnostics = workspace.view(memory, "diagnostics")
 
-    def run(self, q: Floats, v: Floats) -> None:
-        """Let Pinocchio compute placements, joint columns and bias accelerations at (q, v)."""
-        pin.computeForwardKinematicsDerivatives(self.model, self.data, q, v, self._still)
+    @property
+    def norm_error(self) -> float:
+        """How far the square of a quaternion's length was from one, at most."""
+        return float(self._diagnostics[0, evaluation.NORM_ERROR])
+
+    def place(self, q: Floats, v: Floats) -> Floats | None:
+        """Let Pinocchio place the links at (q, v), from beside the base; return a copy of their tables.
+
+        None where (q, v) is not a state, or its motion is not finite.
+        """
+        if evaluation.normalize(q, v, self._memory):
+            return None
+        pin.computeForwardKinematicsDerivatives(
+            self.model, self.data, self._q_beside_base, self._v_beside_base, self._still
+        )
         if not self.zero_copy:
             self.placements[:] = _placements(self.data)
             self.accelerations[:] = _accelerations(self.data)
             self.columns[:] = self.data.J.T
+        if kinematics.place_from_pinocchio(self.placements, self.columns, self.accelerations, self._memory):
+            return None
+        return self._links.copy()
 
     def _views_hold(self) -> bool:
         rng = np.random.default_rng(0)

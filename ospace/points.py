@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 import pinocchio as pin
 
 from ospace.exceptions import OspaceError
-from ospace.kernels.tables import Points
+from ospace.kernels.tree import Ints
 
 if TYPE_CHECKING:
     from ospace.robot import SpaceRobot
@@ -47,6 +47,11 @@ class OperationalPoint:
     joint: int = field(repr=False)
     placement: pin.SE3 = field(repr=False)
 
+    @cached_property
+    def key(self) -> tuple[int, tuple[bool, ...], bytes]:
+        """What kernels know of the point: equal for points that they cannot tell apart."""
+        return self.joint, self.axes, np.asarray(self.placement.homogeneous).tobytes()
+
     @property
     def n_rows(self) -> int:
         """Rows that the point takes."""
@@ -75,28 +80,6 @@ def parse_axes(axes: Axes) -> tuple[bool, ...]:
     return tuple(bool(one) for one in taken)
 
 
-@dataclass(frozen=True, eq=False)
-class PointSet:
-    """Several points as the kernels take them.
-
-    Attributes
-    ----------
-    points : tuple of OperationalPoint
-    table : Points
-    rows : (r,) int array
-        Rows taken, out of the 6p of all points.
-    """
-
-    points: tuple[OperationalPoint, ...]
-    table: Points
-    rows: npt.NDArray[np.int64]
-
-    @property
-    def row_names(self) -> list[str]:
-        """Names of the rows taken."""
-        return [name for point in self.points for name in point.row_names]
-
-
 def check_owner(robot: SpaceRobot, point: OperationalPoint) -> None:
     """Raise `OspaceError` where `point` is another robot's, or not an `OperationalPoint`.
 
@@ -122,8 +105,8 @@ def _not_a_point(given: object) -> OspaceError:
     return OspaceError(f"{given!r} is not an OperationalPoint: make one with robot.point('frame name')")
 
 
-def point_set(robot: SpaceRobot, points: OperationalPoint | Sequence[OperationalPoint]) -> PointSet:
-    """Gather `points`; raises `OspaceError` where there is none, or one that `check_owner` refuses."""
+def points_of(robot: SpaceRobot, points: OperationalPoint | Sequence[OperationalPoint]) -> tuple[OperationalPoint, ...]:
+    """Return `points` as a tuple; raises `OspaceError` where there is none, or one that `check_owner` refuses."""
     try:
         given = (points,) if isinstance(points, OperationalPoint) else tuple(points)
     except TypeError:
@@ -132,16 +115,9 @@ def point_set(robot: SpaceRobot, points: OperationalPoint | Sequence[Operational
         raise OspaceError("no operational point given: make one with robot.point('frame name')")
     for point in given:
         check_owner(robot, point)
-    link = np.array([robot.link_of_joint[point.joint] for point in given])
-    paths = [robot.path_to(int(i)) for i in link]
-    path = np.zeros((len(given), max(1, *map(len, paths))), dtype=np.int64)
-    for row, links in zip(path, paths, strict=True):
-        row[: len(links)] = links
-    table = Points(
-        link,
-        np.array([point.joint for point in given]),
-        np.array([point.placement.translation for point in given]),
-        path,
-        np.array([len(links) for links in paths]),
-    )
-    return PointSet(given, table, np.flatnonzero(np.concatenate([point.axes for point in given])))
+    return given
+
+
+def rows_of(points: Sequence[OperationalPoint]) -> Ints:
+    """Return the rows that the points take, (r,), out of six for each."""
+    return np.flatnonzero([taken for point in points for taken in point.axes])

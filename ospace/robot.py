@@ -17,17 +17,22 @@ import pinocchio as pin
 from ospace.checks import checked_vector
 from ospace.exceptions import OspaceError, UnsoundModelError, closest
 from ospace.joint_positions import ROUNDING, BoundedCoordinates, Position, from_q, to_q
-from ospace.kernels.tables import Floats, Links
-from ospace.link_frames import LinkFrames, link_frames
+from ospace.kernels.tree import Floats
+from ospace.model.layout import BASE_NQ, BASE_NV, Layout
 from ospace.pinocchio_pass import PinocchioPass
-from ospace.points import Axes, OperationalPoint, parse_axes
+from ospace.points import ROW_NAMES, Axes, OperationalPoint, parse_axes
 from ospace.state import State
 from ospace.urdf import inertia, reader
 from ospace.urdf.description import Description
 from ospace.urdf.findings import Finding, any_error
 from ospace.urdf.source import Limits
 
-_BASE_NV, _BASE_NQ = 6, 7
+_RATE_AXES = {
+    "JointModelFreeFlyer": ROW_NAMES,
+    "JointModelSpherical": ROW_NAMES[3:],
+    "JointModelTranslation": ROW_NAMES[:3],
+    "JointModelPlanar": (*ROW_NAMES[:2], ROW_NAMES[5]),
+}
 
 
 class SpaceRobot:
@@ -66,9 +71,8 @@ class SpaceRobot:
         self.description = description
         self.package_dirs = tuple(package_dirs)
         self.findings = tuple(known)
-        self.links = _links(model)
-        self.link_of_joint: npt.NDArray[np.int64] = _last_links(model)
-        self._local = threading.local()
+        self.layout = Layout(model)
+        self.local = threading.local()  # memory of each thread to work in
 
     @classmethod
     def from_urdf(
@@ -143,7 +147,7 @@ class SpaceRobot:
     @property
     def n_joints(self) -> int:
         """Degrees of freedom of the joints, n = nv − 6."""
-        return self.nv - _BASE_NV
+        return self.nv - BASE_NV
 
     @cached_property
     def total_mass(self) -> float:
@@ -154,6 +158,16 @@ class SpaceRobot:
     def joint_names(self) -> list[str]:
         """Names of the joints behind the base, in Pinocchio's order."""
         return list(self.model.names)[2:]
+
+    @cached_property
+    def rate_names(self) -> list[str]:
+        """Names of the joint rates ``v[6:]``: a joint's own, with an axis or a number where it has several."""
+        names = []
+        for j in range(2, self.model.njoints):
+            name, count = str(self.model.names[j]), int(self.model.nvs[j])
+            axes = _RATE_AXES.get(self.model.joints[j].shortname(), [str(k) for k in range(count)])
+            names += [name] if count == 1 else [f"{name}.{axis}" for axis in axes]
+        return names
 
     @cached_property
     def _carried_frames(self) -> list[pin.Frame]:
@@ -176,28 +190,16 @@ class SpaceRobot:
 
     def joint_of_link(self, i: int) -> str:
         """Name of the joint by which link `i` of the recursions hangs."""
-        return str(self.model.names[int(self.links.body[i])])
-
-    def path_to(self, i: int) -> list[int]:
-        """Links from the base, not included, out to link `i`."""
-        path = []
-        while i > 0:
-            path.append(i)
-            i = int(self.links.parent[i])
-        return path[::-1]
+        return str(self.model.names[int(self.layout.joints.body[i])])
 
     @property
     def scratch(self) -> PinocchioPass:
         """Pinocchio's working memory of this thread: overwritten by every state that is made."""
-        if not hasattr(self._local, "scratch"):
-            self._local.scratch = PinocchioPass(self.model)
-        scratch: PinocchioPass = self._local.scratch
+        local = self.local
+        if not hasattr(local, "scratch"):
+            local.scratch = PinocchioPass(self.model, self.layout)
+        scratch: PinocchioPass = local.scratch
         return scratch
-
-    @cached_property
-    def link_frames(self) -> LinkFrames | None:
-        """The robot for kernels with kinematics of their own; None where a joint type has none."""
-        return link_frames(self.model, self.links)
 
     # -- points and states -----------------------------------------------------------------------------------
 
@@ -280,12 +282,12 @@ class SpaceRobot:
             raise OspaceError(f"joints {joints!r}: give a mapping of joint names to positions")
         q: Floats = pin.neutral(self.model)
         if T_WB is not None:
-            q[:_BASE_NQ] = pin.SE3ToXYZQUAT(T_WB)
+            q[:BASE_NQ] = pin.SE3ToXYZQUAT(T_WB)
         for name, value in (joints or {}).items():
             j = self._joint(name)
             start, count = self.model.idx_qs[j], self.model.nqs[j]
             q[start : start + count] = to_q(self.model.joints[j], name, value)
-        if not np.isfinite(q[:_BASE_NQ]).all():
+        if not np.isfinite(q[:BASE_NQ]).all():
             raise OspaceError("T_WB is not finite")
         return q
 
@@ -344,7 +346,7 @@ class SpaceRobot:
 
     def base_pose(self, q: npt.ArrayLike) -> pin.SE3:
         """Read the base pose T_WB from `q`."""
-        return pin.XYZQUATToSE3(checked_vector(q, self.nq, "q", self.name)[:_BASE_NQ])
+        return pin.XYZQUATToSE3(checked_vector(q, self.nq, "q", self.name)[:BASE_NQ])
 
     def _joint(self, name: str) -> int:
         if name not in self.joint_names:
@@ -378,28 +380,3 @@ def _check_floating_base(model: pin.Model) -> None:
                 f"joint '{model.names[j]}' is out of order: Pinocchio's crba is wrong unless each subtree is added "
                 f"before the next one begins; add it right after the joints below '{model.names[model.parents[j]]}'"
             )
-
-
-def _last_links(model: pin.Model) -> npt.NDArray[np.int64]:
-    """Link that each joint carries: the last of its columns; −1 for the universe, 0 for the base."""
-    return np.array([-1] + [model.idx_vs[j] + model.nvs[j] - _BASE_NV for j in range(1, model.njoints)])
-
-
-def _links(model: pin.Model) -> Links:
-    rows = model.nv - _BASE_NV + 1
-    last = _last_links(model)
-    parent, body, hinge = np.zeros((3, rows), dtype=np.int64)
-    mass, com, inertia = np.zeros(rows), np.zeros((rows, 3)), np.zeros((rows, 6))
-    body[0] = hinge[0] = 1
-    for j in range(1, model.njoints):
-        i = int(last[j])
-        if j > 1:
-            columns = range(i - model.nvs[j] + 1, i + 1)
-            parent[columns.start] = last[model.parents[j]]
-            parent[columns.start + 1 : i + 1] = columns[:-1]
-            body[columns] = hinge[columns] = j
-            hinge[i] = model.parents[j]
-        mass[i], com[i] = model.inertias[j].mass, model.inertias[j].lever
-        inertia[i] = model.inertias[j].inertia[np.tril_indices(3)]
-    armature = np.r_[0.0, model.armature[_BASE_NV:]]
-    return Links(parent, body, hinge, mass, com, inertia, armature)

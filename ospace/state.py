@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
-from ospace.checks import all_finite, checked_vector
+from ospace.checks import checked_vector, not_finite
 from ospace.exceptions import OspaceError
-from ospace.kernels import frames
-from ospace.kernels.tables import Floats, Tree
+from ospace.kernels.tree import Floats
+from ospace.kernels.workspace import view_of_links
 from ospace.points import OperationalPoint, check_owner
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 QUATERNION_TOLERANCE = 1e-6
 """How far the length of a quaternion, or of a (cos, sin) pair, may be from one; it is then set to one."""
-_UNIT = 1e-15  # as close to one as rounding leaves it: set to one again, it would only change in its last digit
+_UNIT = 4e-15  # as close to one as rounding leaves its square: set to one again, it would only change in its last digit
 
 _BEFORE_ROTATION = {"JointModelFreeFlyer": 3, "JointModelPlanar": 2}  # numbers of q that are no rotation
 
@@ -35,34 +36,40 @@ class State:
     robot : SpaceRobot
     q, v : (nq,), (nv,) arrays
         Read-only copies; quaternions at unit length.
-    T_WB : pin.SE3
-        Pose of the base in the inertial frame.
-    base_twist : (6,) array
-        ẋ_b = [v_b; ω_b], inertial axes, at the base-link frame's origin; m/s, rad/s.
-    placements : (njoints, 12) array
-        Rotation by columns and translation of every Pinocchio joint; inertial axes, about the base.
-    tree : Tree
-        The links for the recursions.
+    links : array
+        Pinocchio's placements, joint columns and accelerations as the recursions take them: the tables `velocity` to
+        `a` of `ospace.kernels.workspace.Work`, side by side.
     """
 
     def __init__(self, robot: SpaceRobot, q: npt.ArrayLike, v: npt.ArrayLike | None = None) -> None:
         self.robot = robot
-        self.q, self.v = checked_state(robot, q, np.zeros(robot.nv) if v is None else v)
-        self.q.flags.writeable = self.v.flags.writeable = False
-
+        q = _copied(q, robot.nq, "q", robot.name)
+        v = np.zeros(robot.nv) if v is None else _copied(v, robot.nv, "v", robot.name)
         scratch = robot.scratch
-        scratch.run(*self.beside_base())
-        self.placements = scratch.placements.copy()
-        rows = robot.n_joints + 1
-        self.tree = Tree(np.empty((rows, 6)), np.empty((rows, 21)), np.empty((rows, 6)), np.empty((rows, 6)))
-        frames.place(robot.links, self.placements, scratch.columns, scratch.accelerations, self.v, self.tree)
-        all_finite((self.placements, *self.tree), "the motion of the links")
-
-        R_WB = self.placements[1, :9].reshape(3, 3).T
-        self.T_WB = pin.SE3(R_WB, self.q[:3])
-        self.base_twist = np.r_[R_WB @ self.v[:3], R_WB @ self.v[3:6]]
-        for array in (self.placements, self.base_twist, *self.tree):
+        links = scratch.place(q, v)
+        if links is None or not robot.layout.own_kinematics:  # what the kernels do not know, they do not normalize
+            q, v = checked_state(robot, q, v)
+            links = scratch.place(q, v)
+        elif scratch.norm_error > _UNIT:
+            q[:] = scratch.q
+        if links is None:
+            raise not_finite("the motion of the links")
+        self.q, self.v, self.links = q, v, links
+        for array in (q, v, links):
             array.flags.writeable = False
+
+    @cached_property
+    def T_WB(self) -> pin.SE3:
+        """Pose of the base in the inertial frame."""
+        return pin.XYZQUATToSE3(self.q[:7])
+
+    @cached_property
+    def base_twist(self) -> Floats:
+        """ẋ_b = [v_b; ω_b] (6,), inertial axes, at the base-link frame's origin; m/s, rad/s."""
+        R_WB = self.T_WB.rotation
+        twist: Floats = np.concatenate([R_WB @ self.v[:3], R_WB @ self.v[3:6]])
+        twist.flags.writeable = False
+        return twist
 
     def beside_base(self) -> tuple[Floats, Floats]:
         """Return (q, v) as seen from an inertial frame that is centred on the base and moves along with it, now.
@@ -88,8 +95,14 @@ class State:
             The point is another robot's.
         """
         check_owner(self.robot, point)
-        here = self.placements[point.joint]
-        return pin.SE3(here[:9].reshape(3, 3).T, here[9:]) * point.placement
+        layout = self.robot.layout
+        link = int(layout.link_of_joint[point.joint])
+        R = self.table("R")[link].reshape(3, 3).T @ layout.axes[point.joint].T
+        return pin.SE3(R, self.table("r")[link]) * point.placement
+
+    def table(self, name: str) -> Floats:
+        """Return a view of one of the tables in `links`."""
+        return view_of_links(self.links, name, self.robot.n_joints + 1)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copy by taking the robot's copy to `q` and `v` anew."""
@@ -97,6 +110,13 @@ class State:
 
     def __repr__(self) -> str:
         return f"State({self.robot.name!r}, q={self.q}, v={self.v})"
+
+
+def _copied(given: npt.ArrayLike, size: int, name: str, robot: str) -> Floats:
+    """Return a copy of `given` as (size,) float64, whose numbers the kernels look at; raises `OspaceError`."""
+    if type(given) is np.ndarray and given.dtype == np.float64 and given.shape == (size,):
+        return given.copy()
+    return checked_vector(given, size, name, robot)
 
 
 def checked_state(robot: SpaceRobot, q: npt.ArrayLike, v: npt.ArrayLike) -> tuple[Floats, Floats]:
@@ -109,8 +129,6 @@ def checked_state(robot: SpaceRobot, q: npt.ArrayLike, v: npt.ArrayLike) -> tupl
 def _normalize(robot: SpaceRobot, q: Floats) -> None:
     """Bring quaternions and (cos, sin) pairs to unit length, in place; raise where they are far from it."""
     model = robot.model
-    if pin.isNormalized(model, q, _UNIT):
-        return
     unit = pin.normalize(model, q)
     for j in range(1, model.njoints):
         part = slice(model.idx_qs[j], model.idx_qs[j] + model.nqs[j])
@@ -123,4 +141,5 @@ def _normalize(robot: SpaceRobot, q: Floats) -> None:
                 f"the {whose} is not of unit length: {rotation}; "
                 f"divide it by its length, or build q with robot.configuration"
             )
-    q[:] = unit
+    if not pin.isNormalized(model, q, _UNIT):
+        q[:] = unit

@@ -40,8 +40,7 @@ def arrays_of_state(state):
         "q": state.q,
         "v": state.v,
         "base_twist": state.base_twist,
-        "placements": state.placements,
-        **state.tree._asdict(),
+        "links": state.links,
     }
 
 
@@ -54,13 +53,15 @@ def results(state, points=None):
         "generalized": ospace.generalized_dynamics(state),
         "jacobian": ospace.generalized_jacobian(state, points),
         "free_floating": ospace.free_floating(state, points),
-        "forward": ospace.operational_space(state, points),
+        "fast": ospace.operational_space(state, points),
+        "forward": ospace.operational_space(state, points, "forward"),
         "dense": ospace.operational_space(state, points, "dense"),
         "inverted": ospace.operational_space(state, points[0], "inverted"),
     }
     for part, result in parts.items():
-        for field in dataclasses.fields(result):
-            found[f"{part}.{field.name}"] = np.asarray(getattr(result, field.name))
+        names = [field.name for field in dataclasses.fields(result) if not field.name.startswith("_")]
+        for name in [*names, *(["response"] if hasattr(type(result), "response") else [])]:
+            found[f"{part}.{name}"] = np.asarray(getattr(result, name))
     return found
 
 
@@ -299,9 +300,9 @@ def test_without_views_into_pinocchio_s_memory_states_are_the_same(monkeypatch, 
 
 def test_views_that_show_wrong_numbers_are_not_taken(monkeypatch):
     """The self-test finds a layout that is shifted by one number."""
-    honest = pinocchio_pass._view
+    robot, honest = trees.tree(7, 4), pinocchio_pass._view
     monkeypatch.setattr(pinocchio_pass, "_view", lambda *given: np.roll(honest(*given), 1))
-    assert not pinocchio_pass.PinocchioPass(trees.tree(7, 4).model).zero_copy
+    assert not pinocchio_pass.PinocchioPass(robot.model, robot.layout).zero_copy
 
 
 # -- where, and how fast -----------------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ import pinocchio as pin
 
 from ospace.benchmark.timing import Tick, Way, window_times
 from ospace.dynamics.evaluator import OperationalSpaceEvaluator
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.robot import SpaceRobot
 
 SIZES = (12, 24, 48, 96, 192, 384, 768, 1000)

@@ -12,7 +12,7 @@ import pinocchio as pin
 from ospace.benchmark.timing import Way
 from ospace.dynamics.evaluator import OperationalSpaceEvaluator
 from ospace.exceptions import OspaceError
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.points import OperationalPoint
 from ospace.robot import SpaceRobot
 

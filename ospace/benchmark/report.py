@@ -21,8 +21,8 @@ from ospace.benchmark.timing import WINDOWS, Ratio, States, Tick, window_times
 from ospace.dynamics.batch import operational_space_batch
 from ospace.dynamics.operational_space import operational_space
 from ospace.exceptions import OspaceError
-from ospace.kernels import simd
-from ospace.kernels.tables import Floats
+from ospace.kernels.jit import simd
+from ospace.kernels.tree import Floats
 from ospace.robot import SpaceRobot
 from ospace.validation.sampling import random_state
 

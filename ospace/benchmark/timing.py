@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 
 Way = Callable[[Floats, Floats], Any]
 """What is timed: called with q and v."""

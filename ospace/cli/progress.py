@@ -19,7 +19,7 @@ def bar(given: argparse.Namespace, what: str, total: int) -> Iterator[Callable[[
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-    from ospace.kernels import cache
+    from ospace.kernels.jit import cache
 
     console = Console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ospace.cli import output
 
 if TYPE_CHECKING:
-    from ospace.kernels.tables import Floats
+    from ospace.kernels.tree import Floats
     from ospace.robot import SpaceRobot
     from ospace.simulation.reaction import FloatingMotion
     from ospace.visual import Scene

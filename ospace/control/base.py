@@ -10,7 +10,7 @@ import numpy as np
 
 from ospace.checks import real_numbers
 from ospace.exceptions import OspaceError, closest
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 
 Amount = float | tuple[float, float, float] | None
 

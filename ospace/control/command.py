@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from ospace.joint_positions import with_units
-from ospace.kernels.tables import Floats, Ints
+from ospace.kernels.tree import Floats, Ints
 
 Status = Literal["nominal", "softened", "outside limits", "degraded", "stopped"]
 _CAUSES = ("position", "velocity", "acceleration")

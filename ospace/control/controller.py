@@ -26,8 +26,8 @@ from ospace.dynamics.joint_friction import JointFriction
 from ospace.exceptions import OspaceError, closest
 from ospace.joint_positions import joint_units
 from ospace.kernels import control as kernel
-from ospace.kernels.tables import Floats
 from ospace.kernels.tasks import LOOK_AT, POSTURE, REFERENCE, Actuation, Rows, Tasks
+from ospace.kernels.tree import UNKNOWN, Floats
 from ospace.points import OperationalPoint, check_owner
 from ospace.robot import SpaceRobot
 
@@ -58,7 +58,7 @@ class Controller:
     Parameters
     ----------
     robot : SpaceRobot
-        With joints of one degree of freedom.
+        With joints of any type, one row and one torque for each of their rates.
     tasks : sequence of Task
         Of different names.
     base : "floating", "flying", "thrusters", "wheels" or Base
@@ -89,7 +89,7 @@ class Controller:
     Raises
     ------
     OspaceError
-        A joint of several degrees of freedom; two tasks of one name, or none; an unknown mode or solver; a task of
+        Two tasks of one name, or none; an unknown mode or solver; a task of
         another robot's point; a limit or number that makes no sense.
     """
 
@@ -162,7 +162,7 @@ class Controller:
             np.arange(first[t], first[t + 1]) for t in range(len(self.tasks)) if self._tasks.kind[t] <= LOOK_AT
         ]
         self._layout = Layout(
-            robot.joint_names,
+            robot.rate_names,
             joint_units(robot.model),
             [_COMPONENTS[c] for c in self._base.component],
             largest,
@@ -205,7 +205,7 @@ class Controller:
             self._limit_wheels()
         farthest = kernel.assemble(
             time,
-            run.work,
+            run.memory,
             self._base,
             self._tasks,
             self._limits,
@@ -240,9 +240,7 @@ class Controller:
         if isinstance(task, PostureTask):
             if not isinstance(reference, Mapping):
                 raise OspaceError(f"task '{name}': give a posture by joint names")
-            PostureTask(name=name, posture=reference).rows(self.robot)
-            for joint, position in reference.items():
-                self._tasks.posture[t, self.robot.joint_names.index(joint)] = position
+            PostureTask(name=name, posture=reference).write(self.robot, self._tasks.posture[t])
         elif isinstance(task, DampingTask) or isinstance(reference, Mapping):
             raise OspaceError(f"task '{name}' follows no such reference: {reference!r}")
         else:
@@ -308,7 +306,7 @@ class Controller:
 
     def _finish(self, z: Floats, program: kernel.Program) -> float:
         """Compute what comes of `z`; return by how much it passes the bounds of `program`, relative to them."""
-        own = self._run.work, self._base, self.period, self._resistance, self._rows
+        own = self._run.memory, self._base, self.period, self._resistance, self._rows
         return float(kernel.finish(z, *own, program, self._answer))
 
     def _excess(self, z: Floats) -> dict[str, float]:
@@ -456,12 +454,10 @@ class Controller:
     def _lay_out(self) -> Tasks:
         """Lay the tasks out for the kernel; references and postures come with the first cycle."""
         robot, tasks = self.robot, self.tasks
-        frames = robot.link_frames
-        if frames is None:
-            several = next(j for j in range(2, robot.model.njoints) if robot.model.nvs[j] != 1)
-            raise OspaceError(
-                f"joint '{robot.model.names[several]}': control needs joints of one degree of freedom each"
-            )
+        layout = robot.layout
+        if not layout.own_kinematics:
+            unknown = robot.joint_of_link(int(np.flatnonzero(layout.joints.kind == UNKNOWN)[0]))
+            raise OspaceError(f"joint '{unknown}' is of a type that the controller does not know how to place")
         point, at = np.full((len(tasks), 2), -1, dtype=np.int64), 1
         for t, task in enumerate(tasks):
             count = len(task.points)
@@ -473,10 +469,10 @@ class Controller:
         for t, task in enumerate(tasks):
             if isinstance(task, LookAtTask):
                 axis[t] = np.asarray(task.axis) / np.linalg.norm(task.axis)
-        nodes = self._run.nodes
+        nodes = self._run.layout.nodes
         node = np.array([int(np.flatnonzero(nodes.point == e)[0]) for e in range(len(self._points))])
         self._link = nodes.link[node]
-        turn = [(frames.axes[one.joint].T @ one.placement.rotation).ravel(order="F") for one in self._points]
+        turn = [(layout.axes[one.joint].T @ one.placement.rotation).ravel(order="F") for one in self._points]
         return Tasks(
             np.array([task.kind for task in tasks]),
             point,
@@ -485,7 +481,7 @@ class Controller:
             np.array(gain, dtype=np.float64),
             axis,
             np.zeros((len(tasks), REFERENCE)),
-            np.zeros((len(tasks), robot.n_joints)),
+            np.zeros((len(tasks), robot.nq)),
             node,
             np.array(turn),
         )
@@ -500,13 +496,11 @@ class Controller:
     def _begin(self) -> None:
         """Take what is there at the first cycle as the reference of every task that was given none."""
         self._begun = True
-        IC = self._run.table("IC")[0]
-        centre = IC[[16, 8, 10]] / IC[0] + self._q[:3]
-        joints = self.robot.joint_positions(self._q)
+        centre = self._run.table("mass_centre")[0] + self._q[:3]
         for t, task in enumerate(self.tasks):
             if isinstance(task, PostureTask):
-                posture = {**joints, **(task.posture or {})}
-                self._tasks.posture[t] = [float(posture[name]) for name in self.robot.joint_names]
+                self._tasks.posture[t] = self._q
+                task.write(self.robot, self._tasks.posture[t])
             poses = [self._pose(e) for e in self._tasks.point[t] if e >= 0]
             if self._references[t] is None:
                 self._set_reference(t, Constant(task.initial(poses, centre)))

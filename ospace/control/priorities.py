@@ -10,7 +10,7 @@ import numpy as np
 
 from ospace.control.solvers import Solver
 from ospace.kernels.control import UNLIMITED, Program
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 
 _NOTHING_LEFT = 1e-9
 """Singular values of a level's rows, over their size, below which the level leaves a direction free."""

@@ -12,7 +12,7 @@ import pinocchio as pin
 from ospace.checks import checked_number, checked_vector
 from ospace.exceptions import OspaceError
 from ospace.kernels import tasks as kernel
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 
 Moving = Callable[[float], tuple[pin.SE3, npt.ArrayLike, npt.ArrayLike]]
 

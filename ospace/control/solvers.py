@@ -11,7 +11,7 @@ import numpy as np
 
 from ospace.exceptions import OspaceError, closest
 from ospace.kernels.control import UNLIMITED, Program
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 
 Solver = Callable[[Program], Floats | None]
 """Returns z, or None where there is no solution."""

@@ -14,11 +14,13 @@ import numpy.typing as npt
 
 from ospace.checks import checked_names, real_numbers
 from ospace.dynamics.evaluator import BITS, OperationalSpaceEvaluator
+from ospace.dynamics.workspace import layout_of
 from ospace.exceptions import OspaceError
-from ospace.kernels import evaluation, many, memory, simd
-from ospace.kernels.tables import Floats
-from ospace.link_frames import flatten
-from ospace.points import OperationalPoint, PointSet, point_set
+from ospace.kernels import batch as kernel
+from ospace.kernels import evaluation, workspace
+from ospace.kernels.jit import simd
+from ospace.kernels.tree import Floats
+from ospace.points import OperationalPoint, points_of, rows_of
 from ospace.robot import SpaceRobot
 
 CHUNK = 512
@@ -113,24 +115,24 @@ def operational_space_batch(
 
     Notes
     -----
-    Beyond the results, memory does not grow with N. Robots with joints of several degrees of freedom take the way of
-    single states.
+    Beyond the results, memory does not grow with N. States that the lanes cannot take, such as those with dependent
+    rows, are computed one by one, by `OperationalSpaceEvaluator`.
     """
-    given = point_set(robot, points)
+    given = points_of(robot, points)
     quantities = checked_names(quantities, QUANTITIES, "quantity")
     if out is not None and not isinstance(out, Mapping):
         raise OspaceError("out must be a mapping of quantities to arrays")
     for name in checked_names(out or (), QUANTITIES, "quantity"):
         if name not in quantities:
-            raise OspaceError(f"out has '{name}', which is not among the quantities asked for")
+            raise OspaceError(f"out has '{name}', which is not among the quantities to compute")
     Q = _states(Q, robot.nq, "Q", robot.name)
     V = np.broadcast_to(np.zeros(robot.nv), (len(Q), robot.nv)) if V is None else _states(V, robot.nv, "V", robot.name)
     if len(V) != len(Q):
         raise OspaceError(f"Q has {len(Q)} states and V has {len(V)}: give one velocity for each configuration")
-    results = _arrays(robot, len(given.rows), len(Q), quantities, out or {})
+    results = _arrays(robot, len(rows_of(given)), len(Q), quantities, out or {})
     work = _Work(robot, given, Q, V, results)
     _over_threads(work, len(Q), _threads(threads))
-    return OperationalSpaceBatch(**results, bad=np.flatnonzero(work.status != evaluation.FINE))
+    return OperationalSpaceBatch(**results, bad=np.flatnonzero(work.status != evaluation.OK))
 
 
 def _states(given: npt.ArrayLike, columns: int, name: str, robot: str) -> Floats:
@@ -216,14 +218,21 @@ def _over_threads(work: _Work, N: int, threads: int) -> None:
 class _Work:
     """What every thread needs to know, and the status of every state."""
 
-    def __init__(self, robot: SpaceRobot, given: PointSet, Q: Floats, V: Floats, results: Mapping[str, Floats]) -> None:
-        self.robot, self.given, self.Q, self.V, self.results = robot, given, Q, V, results
+    def __init__(
+        self,
+        robot: SpaceRobot,
+        points: tuple[OperationalPoint, ...],
+        Q: Floats,
+        V: Floats,
+        results: Mapping[str, Floats],
+    ) -> None:
+        self.robot, self.points, self.Q, self.V, self.results = robot, points, Q, V, results
+        self.rows = rows_of(points)
         self.status = np.full(len(Q), evaluation.BAD_INPUT, dtype=np.int64)
         self.lanes = simd.widest()
-        self.flat = flatten(robot, given)
-        if self.flat is not None:
-            for name in results:
-                self.flat.want[0] |= _BITS[name]
+        self.layout = layout_of(robot, points)
+        for name in results:
+            self.layout.want[0] |= _BITS[name]
 
 
 class _Worker:
@@ -231,21 +240,23 @@ class _Worker:
 
     def __init__(self, work: _Work) -> None:
         self.work = work
-        self.memory = None if work.flat is None else memory.lay_out(work.flat, work.robot.nq, work.lanes)
+        self.memory = None
+        if work.robot.layout.own_kinematics:
+            self.memory = workspace.lay_out(work.layout, work.robot.nq, work.lanes)
         self.Q, self.V = np.empty((CHUNK, work.robot.nq)), np.empty((CHUNK, work.robot.nv))
         rows = CHUNK if "smallest_singular_value" in work.results else 0
-        self.jacobian = np.empty((rows, len(work.given.rows), work.robot.n_joints))
+        self.jacobian = np.empty((rows, len(work.rows), work.robot.n_joints))
 
     def run(self, chunk: slice) -> None:
         """Compute one chunk, in place."""
         work = self.work
         if self.memory is not None:
             parts = {name: self._part(name, chunk) for name in _NOTHING}
-            out = many.Results(**parts, status=work.status[chunk])
+            out = kernel.Results(**parts, status=work.status[chunk])
             count = chunk.stop - chunk.start
             self.Q[:count], self.V[:count] = work.Q[chunk], work.V[chunk]
-            many.BY_WIDTH[work.lanes](self.Q[:count], self.V[:count], self.memory, out)
-        for s in chunk.start + np.flatnonzero(work.status[chunk] != evaluation.FINE):
+            kernel.BY_WIDTH[work.lanes](self.Q[:count], self.V[:count], self.memory, out)
+        for s in chunk.start + np.flatnonzero(work.status[chunk] != evaluation.OK):
             work.status[s] = self._alone(int(s), chunk)
         if "smallest_singular_value" in work.results:
             J = self._part("generalized_jacobian", chunk)
@@ -263,7 +274,7 @@ class _Worker:
     @cached_property
     def _evaluator(self) -> OperationalSpaceEvaluator:
         wanted = [name for name in self.work.results if name in BITS]
-        return OperationalSpaceEvaluator(self.work.robot, self.work.given.points, wanted)
+        return OperationalSpaceEvaluator(self.work.robot, self.work.points, wanted)
 
     def _alone(self, s: int, chunk: slice) -> int:
         """Compute state `s` by itself: any joint type, dependent rows; zeros where it cannot be computed."""
@@ -276,11 +287,11 @@ class _Worker:
             if len(self.jacobian):
                 self._part("generalized_jacobian", chunk)[s - chunk.start] = one.generalized_jacobian
             if "inertia_inverse_packed" in work.results:
-                work.results["inertia_inverse_packed"][s] = one.inertia_inverse[np.tril_indices(len(work.given.rows))]
+                work.results["inertia_inverse_packed"][s] = one.inertia_inverse[np.tril_indices(len(work.rows))]
         except OspaceError:
             for result in work.results.values():
                 result[s] = 0.0
             if len(self.jacobian):
                 self._part("generalized_jacobian", chunk)[s - chunk.start] = 0.0
             return evaluation.BAD_INPUT
-        return evaluation.FINE
+        return evaluation.OK

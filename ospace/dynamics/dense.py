@@ -18,8 +18,8 @@ from functools import cached_property
 import numpy as np
 import pinocchio as pin
 
-from ospace.kernels.tables import Floats
-from ospace.points import OperationalPoint, point_set
+from ospace.kernels.tree import Floats
+from ospace.points import OperationalPoint, points_of
 from ospace.state import State
 
 RANK_CUTOFF = 1e-6
@@ -34,7 +34,7 @@ class Dense:
 
     def __init__(self, state: State, points: Sequence[OperationalPoint]) -> None:
         self.state = state
-        self.points = point_set(state.robot, points).points if points else ()  # H needs none
+        self.points = points_of(state.robot, points) if points else ()  # H needs none
         self._model = state.robot.model
         self._q, self._v = state.beside_base()
         self.T = np.eye(state.robot.nv)

@@ -10,19 +10,15 @@ import numpy as np
 import numpy.typing as npt
 
 from ospace.checks import checked_names, checked_vector, not_finite
-from ospace.dynamics.generalized_jacobian import generalized_jacobian
-from ospace.dynamics.joint_space import generalized_dynamics, momentum
-from ospace.dynamics.operational_space import operational_space
-from ospace.dynamics.ranges import inverse_on_range
-from ospace.exceptions import OspaceError, SingularInertiaError
-from ospace.kernels import evaluation, memory
-from ospace.kernels.articulated import NO_INERTIA
-from ospace.kernels.kinematics import REVOLUTE
-from ospace.kernels.tables import Floats
-from ospace.link_frames import flatten
-from ospace.points import OperationalPoint, point_set
+from ospace.dynamics.workspace import Workspace
+from ospace.exceptions import OspaceError
+from ospace.kernels import evaluation
+from ospace.kernels.jit.compile import take_read_only
+from ospace.kernels.tree import Floats
+from ospace.kernels.workspace import Robot
+from ospace.points import OperationalPoint, points_of
 from ospace.robot import SpaceRobot
-from ospace.state import State, checked_state
+from ospace.state import checked_state
 
 BITS = {
     "inertia_inverse": evaluation.MOBILITY,
@@ -30,14 +26,15 @@ BITS = {
     "bias_acceleration": evaluation.MOBILITY | evaluation.BIAS,
     "bias_force": evaluation.MOBILITY | evaluation.INERTIA | evaluation.BIAS,
     "jacobian": evaluation.JACOBIAN,
-    "generalized_jacobian": evaluation.FLOATING,
-    "generalized_inertia": evaluation.FLOATING | evaluation.GENERALIZED_INERTIA,
-    "generalized_bias": evaluation.FLOATING | evaluation.GENERALIZED_BIAS,
-    "momentum": evaluation.FLOATING,
+    "generalized_jacobian": evaluation.FLOATING_BASE,
+    "generalized_inertia": evaluation.FLOATING_BASE | evaluation.GENERALIZED_INERTIA,
+    "generalized_bias": evaluation.FLOATING_BASE | evaluation.GENERALIZED_BIAS,
+    "momentum": evaluation.FLOATING_BASE,
 }
 """What each quantity asks of the kernel."""
 QUANTITIES = tuple(BITS)
-_A_STATE, _PSEUDO_INVERSE = 1 << 20, 1 << 21  # of what is known: beside those of the kernel, which does not heed them
+_VECTORS = ("bias_acceleration", "bias_force", "generalized_bias", "momentum")
+_A_STATE, _PSEUDO_INVERSE = 1 << 20, 1 << 21  # of what is known: beside the bits of the kernel, which ignores them
 
 _FIRST_USE = threading.Lock()
 
@@ -52,7 +49,7 @@ class _Quantity:
         if run is None:
             return self
         if self.bits & ~run._known:
-            run._complete(self.bits)
+            run._compute(self.bits)
         return run._arrays[self.name]
 
     def __set__(self, run: OperationalSpaceEvaluator, value: object) -> None:
@@ -99,8 +96,8 @@ class OperationalSpaceEvaluator:
 
     Notes
     -----
-    Joints of one degree of freedom run on kernels of their own (`ospace.kernels.propagated`), without Pinocchio. Any
-    other joint type takes the way of `operational_space`, with the same results.
+    The kernels place the links themselves, without Pinocchio. Where they do not know a joint type, or an angle is
+    beyond 1e5 rad, Pinocchio places them as for a `State`; all that follows is the same.
     """
 
     inertia_inverse = _Quantity()
@@ -119,37 +116,44 @@ class OperationalSpaceEvaluator:
         points: OperationalPoint | Sequence[OperationalPoint],
         quantities: Sequence[str] = ("inertia_inverse", "inertia", "bias_acceleration", "bias_force"),
     ) -> None:
-        self.robot = robot
-        self.quantities = checked_names(quantities, QUANTITIES, "quantity")
+        self.robot, self.quantities = robot, checked_names(quantities, QUANTITIES, "quantity")
         self._want = _A_STATE
         for name in self.quantities:
             self._want |= BITS[name]
-        self._given = point_set(robot, points)
-        self._known = 0
-        self._still = np.zeros(robot.nv)
-        self._rank = r = len(self._given.rows)
-        self._state: State | None = None
-        n, nv = robot.n_joints, robot.nv
-        shapes = ((r, r), (r, r), (r,), (r,), (r, nv), (r, n), (n, n), (n,), (6,))
-        self._arrays: dict[str, Floats] = {name: np.zeros(shape) for name, shape in zip(BITS, shapes, strict=True)}
+        self._run = Workspace(robot, points_of(robot, points))
+        self._memory, self._wanted = self._run.memory, self._run.wanted
+        self._wanted[0] = self._want
+        self._known, self._still = 0, np.zeros(robot.nv)
+        self._stands = 0
+        tables = {name: self._run.table(name) for name in BITS}
+        self._arrays = {name: table.reshape(-1) if name in _VECTORS else table for name, table in tables.items()}
+        self._composes = bool(self._want & evaluation.COMPOSITE)
+        points_alone = self._want & ~(evaluation.COMPOSITE | _A_STATE) == 0
+        self._place: Callable[..., int] = evaluation.place_state if points_alone else evaluation.evaluate
+        if robot.layout.own_kinematics:
+            with _FIRST_USE:
+                take_read_only(self._place, (self._still, self._still, self._memory), (0, 1))
+        else:
+            self._place = _by_pinocchio
 
-        flat = flatten(robot, self._given)
-        self._on_kernel = flat is not None
-        self._evaluate: Callable[..., int] = _no_kernel
-        self.work = np.zeros(0)
-        if flat is not None:
-            self._joints, self.nodes = flat.joints, flat.nodes
-            self.work = memory.lay_out(flat, robot.nq)
-            self._evaluate = evaluation.evaluate
-            self._wanted = memory.wanted(self.work)
-            self._wanted[0] = self._want
-            self._q, self._v = self.table("q")[:, 0], self.table("velocity")[:, 0]
-            self._arrays = {name: self.table(name).reshape(shape) for name, shape in zip(BITS, shapes, strict=True)}
-            _only_doubles(self._still, self.work)
+    @property
+    def memory(self) -> Floats:
+        """The array of `ospace.kernels.workspace`, for kernels that go on from the last state."""
+        return self._memory
+
+    @property
+    def layout(self) -> Robot:
+        """Robot and points as they are laid out there."""
+        return self._run.layout
+
+    @property
+    def points(self) -> tuple[OperationalPoint, ...]:
+        """The points, in the order of the rows."""
+        return self._run.points
 
     def table(self, name: str) -> Floats:
-        """Look at a table of `ospace.kernels.memory.Work`: for kernels that go on from the last state."""
-        return memory.result(self.work, name)
+        """Return a view of a table of `ospace.kernels.workspace.Work`: for kernels that go on from the last state."""
+        return self._run.table(name)
 
     def update(self, q: npt.ArrayLike, v: npt.ArrayLike | None = None) -> OperationalSpaceEvaluator:
         """Compute the quantities at `q` (nq,) and `v` (nv,), zero without it; return the evaluator itself.
@@ -160,42 +164,39 @@ class OperationalSpaceEvaluator:
             A joint moves nothing in this state; names the joint.
         OspaceError
             Wrong length, numbers that are not finite, or a quaternion that is not of unit length; or a result that is
-            not finite. There are no results then.
+            not finite. There are no results then: arrays that are held show zeros.
         """
         if v is None:
             v = self._still
         try:
-            status = self._evaluate(q, v, self.work)
-        except (TypeError, AttributeError):  # not writable arrays of doubles; the latter where kernels run interpreted
+            status = self._place(q, v, self._memory)
+        except (TypeError, AttributeError):  # not arrays of doubles; the latter where kernels run interpreted
             self._known = 0
-            if not self._on_kernel:
-                self._take_state(self.robot.state(q, v))
-                return self
             q = checked_vector(q, self.robot.nq, "q", self.robot.name)
             v = checked_vector(v, self.robot.nv, "v", self.robot.name)
-            status = self._evaluate(q, v, self.work)
+            status = evaluation.FAR if self._place is _by_pinocchio else self._place(q, v, self._memory)
         if status:
-            self._known = 0
-            if status == evaluation.BAD_INPUT:
-                status = self._evaluate(*self._in_reach(q, v), self.work)
-            self._known = self._want | self._mend(status, self._want)
+            self._refine(status, q, v)
             return self
-        self._known = self._want
+        if self._composes and evaluation.compose(self._memory):
+            self._refuse(not_finite("the dynamics of the composite bodies"))
+        self._known, self._stands = self._want, 0
         return self
 
     @property
     def rank(self) -> int:
         """Rank of Γ_e⁻¹: how many of the rows are independent."""
         if evaluation.INERTIA & ~self._known:
-            self._complete(BITS["inertia"])
-        return self._rank if self._known & _PSEUDO_INVERSE else len(self._given.rows)
+            self._compute(BITS["inertia"])
+        return self._run.rank if self._known & _PSEUDO_INVERSE else len(self._run.rows)
 
     @property
     def response(self) -> Floats:
-        """H⁻¹ J_eᵀ (nv, r), a new array by the sweeps of `operational_space`, which take as long as that does."""
-        self._complete(0)
-        state = self._state or self.robot.state(self._q, self._v)
-        return operational_space(state, self._given.points).response
+        """H⁻¹ J_eᵀ (nv, r), a new array, by a pass of its own."""
+        self._compute(BITS["inertia_inverse"])
+        self._run.respond(floating=False)
+        self._wanted[0] = self._want
+        return self._run.copy("response")
 
     @property
     def dynamically_consistent_inverse(self) -> Floats:
@@ -211,88 +212,63 @@ class OperationalSpaceEvaluator:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copy by making another of its own memory, that holds the same numbers."""
-        held = self._known, self._rank, self._state, self.work, self._arrays
-        return OperationalSpaceEvaluator, (self.robot, self._given.points, self.quantities), held
+        held = self._known, self._stands, self._run.rank, self._memory
+        return OperationalSpaceEvaluator, (self.robot, self.points, self.quantities), held
 
-    def __setstate__(self, held: tuple[int, int, State | None, Floats, dict[str, Floats]]) -> None:
-        self._known, self._rank, self._state, work, arrays = held
-        self.work[:] = work
-        for name, array in arrays.items():
-            self._arrays[name][:] = array
+    def __setstate__(self, held: tuple[int, int, int, Floats]) -> None:
+        self._known, self._stands, self._run.rank, memory = held
+        self._memory[:] = memory
 
     # -- what is not the straight way ------------------------------------------------------------------------
 
-    def _complete(self, bits: int) -> None:
-        """Compute what `bits` want as well, at the state of the last update."""
-        if not self._known:
-            raise OspaceError("there is no state to compute this from: call update(q, v) first, and heed its error")
-        if bits:
-            self._known |= bits | self._mend(self._evaluate_again(bits), bits)
-
-    def _evaluate_again(self, bits: int) -> int:
-        """Compute what `bits` want, and no more, at the same state."""
-        self._wanted[0] = bits
+    def _refine(self, status: int, q: npt.ArrayLike, v: npt.ArrayLike) -> None:
+        """Do what the kernel left undone at (q, v), or raise what it cannot do."""
+        self._known = self._stands = 0
         try:
-            return self._evaluate(self._q, self._v, self.work)
+            if status == evaluation.BAD_INPUT:
+                status = self._place(*checked_state(self.robot, q, v), self._memory)
+            if status == evaluation.FAR:
+                state = self.robot.state(q, v)
+                self._run.load(state)
+                self._run.table("q")[:, 0] = state.q
+                self._stands = evaluation.LINKS_STAND
+                self._run.evaluate(self._want)
+            else:
+                self._run.settle(status, self._want)
+                if self._composes and evaluation.compose(self._memory):
+                    raise not_finite("the dynamics of the composite bodies")
+        except OspaceError as error:
+            self._refuse(error)
         finally:
             self._wanted[0] = self._want
+        self._note(self._want)
 
-    def _in_reach(self, q: npt.ArrayLike, v: npt.ArrayLike) -> tuple[Floats, Floats]:
-        """Return the state with all angles in (−π, π], where the kernel's sine holds; raise where it is no state."""
-        q, v = checked_state(self.robot, q, v)
-        joints = self._joints
-        angles = joints.first[1:][joints.kind[1:] == REVOLUTE]
-        q[angles] = np.arctan2(np.sin(q[angles]), np.cos(q[angles]))
-        return q, v
+    def _note(self, bits: int) -> None:
+        """Note that `bits` are known, of a run that noted the rank."""
+        reduced = bits & evaluation.INERTIA and self._run.rank < len(self._run.rows)
+        self._known |= bits | (_PSEUDO_INVERSE if reduced else 0)
 
-    def _mend(self, status: int, bits: int) -> int:
-        """Do what the kernel left undone, or raise what it cannot do; return `_PSEUDO_INVERSE` if Γ_e is one."""
-        if status == evaluation.BAD_INPUT:
-            raise not_finite("the operational-space dynamics")
-        if status == evaluation.SINGULAR:
-            none = np.flatnonzero(~(self.table("share")[1:, 0] > NO_INERTIA))
-            raise SingularInertiaError(self.robot.joint_of_link(int(none[-1]) + 1))
-        if status == evaluation.DEPENDENT:
-            self._invert_on_range(bits)
-            return _PSEUDO_INVERSE
-        return 0
+    def _refuse(self, error: OspaceError) -> None:
+        """Leave nothing of a state that is refused."""
+        self._known = 0
+        for array in self._arrays.values():
+            array.fill(0.0)
+        raise error
 
-    def _invert_on_range(self, bits: int) -> None:
-        """Γ_e, μ_e and the rank where rows depend on each other."""
-        self._evaluate_again(BITS["jacobian"] | BITS["momentum"])
-        arrays = self._arrays
-        base = self.table("IC")[0, [0, 2, 5, 9, 14, 20]]
-        joints = np.einsum("ij,ij->i", self.table("S"), self.table("F"))[1:] + self._joints.mass[1:, 1]
-        mobility = np.diag(arrays["inertia_inverse"])
-        H = np.concatenate([base, joints])
-        inverted = inverse_on_range(arrays["inertia_inverse"], arrays["jacobian"], mobility, H)
-        arrays["inertia"][:], self._rank = inverted.inverse, inverted.rank
-        if bits & evaluation.BIAS:
-            arrays["bias_force"][:] = arrays["inertia"] @ arrays["bias_acceleration"]
-
-    def _take_state(self, state: State) -> None:
-        """Go the way of `operational_space`, which has every joint type."""
-        result = operational_space(state, self._given.points)
-        for name in ("inertia_inverse", "inertia", "bias_acceleration", "bias_force", "jacobian"):
-            self._arrays[name][:] = getattr(result, name)
-        floating = generalized_jacobian(state, self._given.points)
-        self._arrays["generalized_jacobian"][:] = floating.generalized_jacobian
-        generalized = generalized_dynamics(state)
-        self._arrays["generalized_inertia"][:] = generalized.generalized_inertia
-        self._arrays["generalized_bias"][:] = generalized.generalized_bias
-        self._arrays["momentum"][:] = momentum(state)
-        self._rank, self._state = result.rank, state
-        self._known = -1
+    def _compute(self, bits: int) -> None:
+        """Compute what `bits` want at the state of the last update."""
+        if not self._known:
+            raise OspaceError("there is no state to compute this from: call update(q, v) first, and heed its error")
+        try:
+            if not self._stands:  # the links' motion may not
+                self._wanted[0] = evaluation.FLOATING_BASE | evaluation.NORMALIZED
+                self._place(self._run.table("q")[:, 0], self._run.table("velocity")[:, 0], self._memory)
+            self._run.evaluate(bits)
+        finally:
+            self._wanted[0] = self._want
+        self._note(bits)
 
 
-def _no_kernel(q: Floats, v: Floats, work: Floats) -> int:
-    """Stand where a robot's joints have no kernel."""
-    raise TypeError
-
-
-def _only_doubles(v: Floats, work: Floats) -> None:
-    """Compile for plain arrays of doubles, and for nothing else: any other type is a TypeError from here on."""
-    with _FIRST_USE:
-        evaluation.evaluate(np.empty(0), v, work)
-        if hasattr(evaluation.evaluate, "disable_compile"):  # not there where kernels run interpreted
-            evaluation.evaluate.disable_compile()
+def _by_pinocchio(q: Floats, v: Floats, memory: Floats) -> int:
+    """Stand where the kernels cannot place the links."""
+    return evaluation.FAR

@@ -7,14 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ospace.checks import all_finite
-from ospace.dynamics.generalized_jacobian import point_jacobian
-from ospace.dynamics.joint_space import bias, composite_bodies
-from ospace.dynamics.operational_space import forward_chain, refuse_dependent
-from ospace.dynamics.ranges import inverse_on_range
-from ospace.kernels import composite
-from ospace.kernels.tables import Floats
-from ospace.points import OperationalPoint, point_set
+from ospace.dynamics import workspace
+from ospace.kernels import evaluation as kernel
+from ospace.kernels.tree import Floats
+from ospace.points import OperationalPoint, points_of
 from ospace.state import State
 
 
@@ -84,7 +80,7 @@ def free_floating(
 
     Notes
     -----
-    The torque map is the joint part of the response H⁻¹ J_eᵀ of the forward chain, transposed: by (7) a force at the
+    The torque map is the joint part of the response H⁻¹ J_eᵀ, transposed: by (7) a force at the
     points accelerates the joints by H_m*⁻¹ J_m*ᵀ F_e. The bias follows from (6) and (7) with nothing acting,
 
         μ = J_m* H_m*⁻¹ c_m* + J_b H_b⁻¹ c_b − J̇_e ẋ,
@@ -92,25 +88,17 @@ def free_floating(
     which is the μ of (12) together with the term that the paper drops: with M_0 about the moving base point,
     J_b H_b⁻¹ c_b − J̇_e ẋ = −J̇_m* φ̇ − d/dt(J_b H_b⁻¹) M_0 − J_b H_b⁻¹ [0; −v_b × P].
     """
-    given = point_set(state.robot, points)
-    Gamma_inv, _, response = forward_chain(state, given)
-    J_e = point_jacobian(state, given)
-    bodies = composite_bodies(state)
-    c_b, c_m = bias(state)
-    drift = composite.point_motion(given.table, state.placements, state.tree)[2].ravel()[given.rows]
-
-    J_b, J_m = J_e[:, :6], J_e[:, 6:]
-    J_m_star = J_m + J_b @ bodies.J_b_star
-    c_m_star = c_m + bodies.J_b_star.T @ c_b
-    torque_map = response[6:].T
-    Lambda_inv = torque_map @ J_m_star.T
-    Lambda_inv = 0.5 * (Lambda_inv + Lambda_inv.T)
-    Lambda_b_inv = J_b @ bodies.H_b_inv @ J_b.T
-    mu = torque_map @ c_m_star + J_b @ (bodies.H_b_inv @ c_b) - drift
-    all_finite((torque_map, Lambda_inv, Lambda_b_inv, mu), "the free-floating dynamics")
-
-    H_m_star = bodies.H_m + bodies.H_bm.T @ bodies.J_b_star
-    Lambda, rank, dependent = inverse_on_range(Lambda_inv, J_m_star, np.diag(Gamma_inv), np.diag(H_m_star))
-    if strict and rank < len(Lambda_inv):
-        refuse_dependent(given, rank, dependent)
-    return FreeFloating(Lambda_inv, Lambda_b_inv, Lambda, mu, torque_map, J_m_star, rank)
+    run = workspace.of(state, points)
+    run.evaluate(kernel.MOBILITY | kernel.COMPOSITE)
+    run.respond(floating=True)
+    if strict:
+        run.refuse_dependent(points_of(state.robot, points))
+    return FreeFloating(
+        run.copy("floating_inertia_inverse"),
+        run.copy("base_inertia_inverse"),
+        run.copy("floating_inertia"),
+        run.table("floating_bias")[:, 0].copy(),
+        run.table("response")[6:].T.copy(),
+        run.copy("generalized_jacobian"),
+        run.rank,
+    )

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ospace.checks import all_finite
-from ospace.dynamics.joint_space import composite_bodies
-from ospace.kernels import composite
-from ospace.kernels.tables import Floats
-from ospace.points import OperationalPoint, PointSet, point_set
+from ospace.dynamics import workspace
+from ospace.kernels import evaluation as kernel
+from ospace.kernels.tree import Floats
+from ospace.points import OperationalPoint
 from ospace.state import State
 
 
@@ -35,13 +34,6 @@ class GeneralizedJacobian:
     base_momentum_velocity: Floats
 
 
-def point_jacobian(state: State, points: PointSet) -> Floats:
-    """Return J_e = [J_b J_m] (r, 6 + n) of the rows taken."""
-    columns = composite.point_jacobian(points.table, state.placements, state.tree)
-    J_e: Floats = columns.reshape(state.robot.nv, -1).T[points.rows]
-    return J_e
-
-
 def generalized_jacobian(state: State, points: OperationalPoint | Sequence[OperationalPoint]) -> GeneralizedJacobian:
     """Compute J_b* (27), (28), J_m* (29)–(31) and the velocities that momentum leaves (26).
 
@@ -56,12 +48,11 @@ def generalized_jacobian(state: State, points: OperationalPoint | Sequence[Opera
     OspaceError
         No point, or another robot's; or a result that is not finite.
     """
-    J_e = point_jacobian(state, point_set(state.robot, points))
-    bodies = composite_bodies(state)
-    # Seen from the frame that moves along with the base the momentum lacks what translates all bodies alike: v_b.
-    rest = bodies.H_b_inv @ composite.momentum(state.tree)
-    rest[:3] += state.base_twist[:3]
-    J_b, J_m = J_e[:, :6], J_e[:, 6:]
-    J_m_star = J_m + J_b @ bodies.J_b_star
-    all_finite((bodies.J_b_star, J_m_star, rest), "the generalized Jacobian")
-    return GeneralizedJacobian(bodies.J_b_star, J_m_star, J_b @ rest, rest)
+    run = workspace.of(state, points)
+    run.evaluate(kernel.FLOATING_BASE)
+    return GeneralizedJacobian(
+        run.table("J_b_star")[1:].T.copy(),
+        run.copy("generalized_jacobian"),
+        run.table("momentum_velocity").ravel()[run.rows],
+        run.table("base_momentum_velocity")[0].copy(),
+    )

@@ -9,7 +9,7 @@ import numpy as np
 from ospace.exceptions import OspaceError
 from ospace.kernels import joint_friction as kernel
 from ospace.kernels.joint_friction import FRICTION_VELOCITY
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.robot import SpaceRobot
 
 __all__ = ["FRICTION_VELOCITY", "JointFriction"]

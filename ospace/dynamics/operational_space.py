@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
 from ospace.checks import all_finite
-from ospace.dynamics import paper_sweeps
+from ospace.dynamics import paper_sweeps, workspace
 from ospace.dynamics.dense import Dense
-from ospace.dynamics.generalized_jacobian import point_jacobian
-from ospace.dynamics.joint_space import composite_bodies
-from ospace.dynamics.ranges import inverse_on_range
-from ospace.exceptions import DependentRowsError, OspaceError, SingularInertiaError
-from ospace.kernels.articulated import NO_INERTIA
-from ospace.kernels.tables import Floats
-from ospace.points import OperationalPoint, PointSet, point_set
+from ospace.dynamics.workspace import Workspace
+from ospace.exceptions import OspaceError
+from ospace.kernels import evaluation as kernel
+from ospace.kernels.tree import Floats
+from ospace.points import OperationalPoint, points_of
 from ospace.state import State
 
-METHODS = ("forward", "inverted", "dense")
+METHODS = ("pv_osimr", "forward", "inverted", "dense")
+_ALL = kernel.MOBILITY | kernel.INERTIA | kernel.BIAS | kernel.JACOBIAN
 
 
 @dataclass(frozen=True)
@@ -41,8 +40,6 @@ class OperationalSpace:
         J_e = [J_b J_m]; base columns for ẋ_b in inertial axes.
     rank : int
         Rank of Γ_e⁻¹: how many of the rows are independent.
-    response : (nv, r)
-        H⁻¹ J_eᵀ: [ẍ_b; φ̈] per unit of each force at the points.
     """
 
     inertia: Floats
@@ -51,7 +48,16 @@ class OperationalSpace:
     bias_acceleration: Floats
     jacobian: Floats
     rank: int
-    response: Floats
+    _state: State = field(repr=False)
+    _points: tuple[OperationalPoint, ...] = field(repr=False)
+
+    @cached_property
+    def response(self) -> Floats:
+        """H⁻¹ J_eᵀ (nv, r): [ẍ_b; φ̈] per unit of each force at the points."""
+        run = workspace.of(self._state, self._points)
+        run.evaluate(kernel.MOBILITY)
+        run.respond(floating=False)
+        return run.copy("response")
 
     @cached_property
     def dynamically_consistent_inverse(self) -> Floats:
@@ -67,7 +73,7 @@ class OperationalSpace:
 def operational_space(
     state: State,
     points: OperationalPoint | Sequence[OperationalPoint],
-    method: str = "forward",
+    method: str = "pv_osimr",
     *,
     strict: bool = False,
 ) -> OperationalSpace:
@@ -78,11 +84,15 @@ def operational_space(
     state : State
     points : OperationalPoint or sequence of them
         Any frames of the state's robot, the base included, several on one link; r rows in the order given.
-    method : "forward", "inverted" or "dense"
-        Forward chain (37)–(45); inverted chain (33)–(36), for one point; or (9), (10) from Pinocchio's crba, rnea
-        and Jacobians.
+    method : "pv_osimr", "forward", "inverted" or "dense"
+        The fast way, which evaluator and batch share; or one of three independent ones: the paper's forward chain
+        (37)–(45); its inverted chain (33)–(36), for one point; (9), (10) from Pinocchio's crba, rnea and Jacobians.
     strict : bool
         Refuse dependent rows instead of inverting on the numerical range.
+
+    Returns
+    -------
+    OperationalSpace
 
     Raises
     ------
@@ -96,59 +106,50 @@ def operational_space(
 
     Notes
     -----
-    The inverted chain gives Γ_e and μ_e; `response` is the forward chain's under that method too.
-    Rows that depend on each other are told by the Jacobian: see `ospace.dynamics.ranges.RANK_CUTOFF`.
+    Whether rows depend on each other is decided by the Jacobian: see `ospace.dynamics.ranges.RANK_CUTOFF`.
     """
     if method not in METHODS:
         raise OspaceError(f"method '{method}' is unknown: give one of {', '.join(METHODS)}")
-    given = point_set(state.robot, points)
-    known: tuple[Floats, Floats] | None = None
-    if method == "inverted":
-        Gamma_inv, mu, known = _inverted(state, given)
-        response = forward_chain(state, given)[2]
-        J_e = point_jacobian(state, given)
-    elif method == "dense":
-        _refuse_singular(state, paper_sweeps.forward(state, given)[3])
-        dense = Dense(state, given.points)
-        Gamma_inv, mu, response, J_e = dense.Gamma_e_inv, dense.mu, dense.response, dense.J_e
-    else:
-        Gamma_inv, mu, response = forward_chain(state, given)
-        J_e = point_jacobian(state, given)
-    all_finite((Gamma_inv, mu, response, J_e), "the operational-space dynamics")
+    run = workspace.of(state, points)
+    run.evaluate(_ALL)
+    if method != "pv_osimr":
+        return _by(method, run, state, points_of(state.robot, points), strict)
+    if strict:
+        run.refuse_dependent(points_of(state.robot, points))
+    return OperationalSpace(
+        run.copy("inertia"),
+        run.copy("inertia_inverse"),
+        run.table("bias_force")[:, 0].copy(),
+        run.table("bias_acceleration")[:, 0].copy(),
+        run.copy("jacobian"),
+        run.rank,
+        state,
+        run.points,
+    )
 
-    H = composite_bodies(state).diagonal
-    Gamma, rank, dependent = inverse_on_range(Gamma_inv, J_e, np.diag(Gamma_inv), H)
-    if strict and rank < len(Gamma_inv):
-        refuse_dependent(given, rank, dependent)
+
+def _by(
+    method: str, run: Workspace, state: State, points: tuple[OperationalPoint, ...], strict: bool
+) -> OperationalSpace:
+    """Compute the same by an independent method; `run` has evaluated the state."""
+    J_e, known, response = run.copy("jacobian"), None, None
+    if method == "inverted":
+        if len(points) != 1:
+            raise OspaceError(f"the inverted chain takes one point, got {len(points)}: use method='forward'")
+        Gamma_e, mu_e, Gamma_inv, mu, _ = paper_sweeps.inverted(state, points)
+        known = (Gamma_e, mu_e) if len(run.rows) == 6 else None
+    elif method == "forward":
+        Gamma_inv, mu, response, _ = paper_sweeps.forward(state, points)
+    else:
+        dense = Dense(state, points)
+        Gamma_inv, mu, response, J_e = dense.Gamma_e_inv, dense.mu, dense.response, dense.J_e
+    all_finite((Gamma_inv, mu), "the operational-space dynamics")
+    Gamma = run.inverse_on_range(Gamma_inv, J_e)
+    if strict:
+        run.refuse_dependent(points)
     Gamma, mu_e = known or (Gamma, Gamma @ mu)
     all_finite((Gamma, mu_e), "the operational-space dynamics")
-    return OperationalSpace(Gamma, Gamma_inv, mu_e, mu, J_e, rank, response)
-
-
-def refuse_dependent(given: PointSet, rank: int, dependent: Iterable[int]) -> None:
-    """Raise the `DependentRowsError` that names the points of the dependent rows."""
-    names = [given.points[given.rows[row] // 6].frame for row in dependent]
-    raise DependentRowsError(rank, len(given.rows), dict.fromkeys(names))
-
-
-def forward_chain(state: State, given: PointSet) -> tuple[Floats, Floats, Floats]:
-    """Return Γ_e⁻¹ (r, r), μ (r,) and H⁻¹ J_eᵀ (nv, r) by the forward chain (38)–(45)."""
-    Gamma_inv, mu, response, pivots = paper_sweeps.forward(state, given)
-    _refuse_singular(state, pivots)
-    return Gamma_inv, mu, response
-
-
-def _inverted(state: State, given: PointSet) -> tuple[Floats, Floats, tuple[Floats, Floats] | None]:
-    """Return Γ_e⁻¹ (r, r) and μ (r,) by the inverted chain; if all rows are taken, Γ_e and μ_e as they come."""
-    if len(given.points) != 1:
-        raise OspaceError(f"the inverted chain takes one point, got {len(given.points)}: use method='forward'")
-    Gamma, mu_e, Gamma_inv, mu, pivots = paper_sweeps.inverted(state, given)
-    _refuse_singular(state, pivots)
-    return Gamma_inv, mu, (Gamma, mu_e) if len(given.rows) == 6 else None
-
-
-def _refuse_singular(state: State, pivots: Floats) -> None:
-    """Raise where a joint has no inertia left to resist it; NaN counts as none."""
-    none = np.flatnonzero(~(pivots[1:] > NO_INERTIA))
-    if none.size:
-        raise SingularInertiaError(state.robot.joint_of_link(1 + int(none[-1])))
+    result = OperationalSpace(Gamma, Gamma_inv, mu_e, mu, J_e, run.rank, state, points)
+    if response is not None:
+        vars(result)["response"] = response  # in place of the one by the fast way
+    return result

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ospace.exceptions import OspaceError
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 
 RANK_CUTOFF = 1e-12
 """Eigenvalues of W Wᵀ below this share of the largest count as zero; W is J with each column over the square root of

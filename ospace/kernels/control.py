@@ -26,14 +26,14 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from ospace.kernels.jit.compile import entry, inlined
+from ospace.kernels.jit.load_store import load6, store6, unowned
+from ospace.kernels.jit.simd import zeros
 from ospace.kernels.joint_friction import friction_torque
-from ospace.kernels.kinematics import CONTINUOUS, Joints
-from ospace.kernels.lanes import entry, inlined, load6, store6
-from ospace.kernels.memory import Work, open_robot, open_work
-from ospace.kernels.simd import zeros
 from ospace.kernels.spatial import add6, dot6, scale6
-from ospace.kernels.tables import Floats, Ints
 from ospace.kernels.tasks import LOOK_AT, Actuation, Rows, Tasks, fill, wrench_of
+from ospace.kernels.tree import HELICAL, PRISMATIC, REVOLUTE, Floats, Ints, Joints
+from ospace.kernels.workspace import Work, open_robot, open_work
 
 UNLIMITED = 1e30
 """What bounds beyond count as none."""
@@ -127,7 +127,7 @@ def clamp_joints(joints: Joints, w: Work, limits: Limits, program: Program, outs
         rate, most, v = w.velocity[j + 6, 0], limits.acceleration[j], limits.velocity[j]
         fast, slow = v, -v
         outside[j] = 0.0
-        if joints.kind[j + 1] != CONTINUOUS:
+        if joints.kind[j + 1] in (REVOLUTE, PRISMATIC, HELICAL):
             angle = w.q[joints.first[j + 1], 0]
             outside[j] = max(0.0, limits.position[0, j] - angle, angle - limits.position[1, j])
             farthest = max(farthest, outside[j])
@@ -136,7 +136,7 @@ def clamp_joints(joints: Joints, w: Work, limits: Limits, program: Program, outs
             continue
         force = min(limits.torque[1, j], -limits.torque[0, j])
         a = max(min(most, limits.braking * force / w.generalized_inertia[j, j]), 1e-6)
-        if joints.kind[j + 1] != CONTINUOUS:
+        if joints.kind[j + 1] in (REVOLUTE, PRISMATIC, HELICAL):
             angle = w.q[joints.first[j + 1], 0] + 0.5 * h * rate
             fast = min(v, max(-v, ceiling(limits.position[1, j] - angle, a, h)))
             slow = -min(v, max(-v, ceiling(angle - limits.position[0, j], a, h)))
@@ -257,7 +257,8 @@ def assemble(
 
     Write by how much each joint is outside its position limits to `outside` (n,), and return the largest.
     """
-    robot, w = open_robot(memory), open_work(memory, zeros(1))
+    here = unowned(memory)
+    robot, w = open_robot(here), open_work(here, zeros(1))
     fill(w, robot, base, tasks, rows, time)
     farthest = clamp_joints(robot.joints, w, limits, program, outside)
     limit_torque(w, base, limits, resistance, program)
@@ -277,7 +278,7 @@ def finish(
     answer: Answer,
 ) -> float:
     """Torque, base acceleration and residuals of a solution; return by how much it passes a bound, relative to that."""
-    w = open_work(memory, zeros(1))
+    w = open_work(unowned(memory), zeros(1))
     n, excess = answer.torque.size, 0.0
     for k in range(z.size):
         excess = max(excess, passed(z[k], program.lower[k], program.upper[k]))

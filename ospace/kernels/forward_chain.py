@@ -28,7 +28,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ospace.kernels.tables import Floats, Ints
+from ospace.kernels.tree import Floats, Ints
 
 _ONE = np.eye(6)
 

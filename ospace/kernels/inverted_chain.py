@@ -30,7 +30,7 @@ from ospace.kernels.forward_chain import (
     relative_pivot,
     solve,
 )
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 
 
 def path_to(chain: Chain, i: int) -> list[int]:

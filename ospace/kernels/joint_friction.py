@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import math
 
-from ospace.kernels.lanes import entry, inlined
-from ospace.kernels.tables import Floats
+from ospace.kernels.jit.compile import entry, inlined
+from ospace.kernels.tree import Floats
 
 FRICTION_VELOCITY = 0.02
 """s; rad/s, or m/s for prismatic joints."""

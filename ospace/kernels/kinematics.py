@@ -1,60 +1,61 @@
-"""Links of a state from q and v, without Pinocchio: joints of one degree of freedom.
+"""Links of a state: from q and v by own kinematics, or from Pinocchio's frame data.
 
-In inertial axes about the base, h the parent of i; the axis of joint i is the third axis of link i:
+Everything stands in inertial axes; positions are those about the base, and each link's twist, acceleration and inertia
+are at the link's own origin, seen from the frame that moves along with the base. With h the parent of i, d_i the way
+from its origin to that of i, and X(d) the shift of a motion to a point d away,
 
-    R_i = R_h A_i Rot(z, φ_i),   r_i = r_h + R_h b_i                      revolute
-    R_i = R_h A_i,               r_i = r_h + R_h b_i + φ_i z_i             prismatic
-    S_i = [r_i × z_i; z_i]  or  [z_i; 0]
-    v_i = v_h + S_i φ̇_i,   a_i = a_h + v_i ×̂ S_i φ̇_i                      (16), (17) while φ̈ = 0
+    R_i = R_h A_i Rot(z, φ_i),  d_i = R_h b_i              revolute
+    R_i = R_h A_i,              d_i = R_h b_i + φ_i z_i    prismatic
+    r_i = r_h + d_i,   S_i = [0; z_i]  or  [z_i; 0]
+    v_i = X(d_i) v_h + S_i φ̇_i,   a_i = X(d_i) a_h + v_i ×̂ S_i φ̇_i         (16), (17) while φ̈ = 0
+
+and likewise for joints of several columns, whose S are the axes of the link. A frame of its own for each link's
+inertia keeps the digits of small links at the end of long booms; what is left of the distance enters linearly.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-from ospace.kernels.lanes import Number, Row, Table, inlined, load3, load6, load9, store3, store6, store9, store21
-from ospace.kernels.simd import fence, floor, like
+from ospace.kernels.jit.compile import Number, Row, Table, entry, inlined
+from ospace.kernels.jit.load_store import (
+    load3,
+    load6,
+    load9,
+    load_translation,
+    store3,
+    store6,
+    store9,
+    store21,
+    unowned,
+)
+from ospace.kernels.jit.simd import fence, floor, zeros
 from ospace.kernels.spatial import (
     add3,
     add6,
-    cross,
     cross_motion,
     mat3_mul,
+    motion_at,
     rigid_inertia,
     rotate,
     rotate_sym3,
     scale3,
     scale6,
+    sub3,
+    zero6,
 )
-from ospace.kernels.tables import Floats, Ints
-
-REVOLUTE, CONTINUOUS, PRISMATIC = 0, 1, 2
-
-
-class Joints(NamedTuple):
-    """What a robot is, in frames whose third axis is the joint's; rows 0…n, row 0 the base."""
-
-    parent: Ints
-    kind: Ints
-    first: Ints
-    """Where the joint's part of q begins."""
-    A: Floats
-    """(n + 1, 9) the link's axes in its parent's at φ = 0, by columns."""
-    b: Floats
-    """(n + 1, 3) the link's origin in its parent's axes."""
-    com: Floats
-    """(n + 1, 3)."""
-    inertia: Floats
-    """(n + 1, 6) about the centre of mass, lower rows."""
-    mass: Floats
-    """(n + 1, 2) mass, and armature of the joint."""
-
-
-class Frames(NamedTuple):
-    """Where the links are: rows 0…n."""
-
-    R: Table
-    r: Table
+from ospace.kernels.tree import (
+    COLUMNS,
+    CONTINUOUS,
+    FLOATING,
+    HELICAL,
+    PLANAR,
+    PRISMATIC,
+    REVOLUTE,
+    SAME_JOINT,
+    SPHERICAL,
+    Floats,
+    Joints,
+)
+from ospace.kernels.workspace import Work, open_robot, open_work
 
 
 @inlined
@@ -93,13 +94,20 @@ def sines_cosines(q: Table, sine: Table, cosine: Table) -> None:
 
 
 @inlined
-def rotation(x: Number, y: Number, z: Number, w: Number) -> Row:
-    """The rotation of a unit quaternion, by columns."""
+def rotation(quaternion: Row) -> Row:
+    """The rotation of the unit quaternion x, y, z, w, by columns."""
+    x, y, z, w = quaternion
     return (
         (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w))
         + (2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w))
         + (2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y))
     )
+
+
+@inlined
+def quaternion_in(q: Table, k: int) -> Row:
+    """The quaternion in `q` from row `k` on."""
+    return (q[k, 0], q[k + 1, 0], q[k + 2, 0], q[k + 3, 0])
 
 
 @inlined
@@ -110,50 +118,126 @@ def turned(R: Row, s: Number, c: Number) -> Row:
 
 
 @inlined
-def place_links(joints: Joints, q: Table, sine: Table, cosine: Table, frames: Frames, S: Table, I: Table) -> None:
-    """Fill frames, joint columns and inertias; `q` (nq, 1) and its sines and cosines."""
-    R = rotation(q[3, 0], q[4, 0], q[5, 0], q[6, 0])
-    o = like(0.0, R[0])
-    store9(frames.R, 0, R)
-    store3(frames.r, 0, (o, o, o))
-    com = rotate(R, load3(joints.com, 0))
-    store21(I, 0, rigid_inertia(com, joints.mass[0, 0], rotate_sym3(R, load6(joints.inertia, 0))))
+def place_links(joints: Joints, w: Work, I: Table) -> None:
+    """Fill `R`, `r`, `d`, `S` and the inertias `I` from `w.q`, its sines and its cosines."""
+    q, R = w.q, rotation(quaternion_in(w.q, 3))
+    none = zero6(R)[0:3]
+    store_link(joints, w, I, 0, R, none, none)
     for i in range(1, joints.parent.size):
-        h, k = joints.parent[i], joints.first[i]
-        R_h = load9(frames.R, h)
-        r = add3(load3(frames.r, h), rotate(R_h, load3(joints.b, i)))
-        R = mat3_mul(R_h, load9(joints.A, i))
-        if joints.kind[i] == PRISMATIC:
-            z = R[6:9]
-            r = add3(r, scale3(z, q[k, 0]))
-            store6(S, i, z + (o, o, o))
-        else:
-            if joints.kind[i] == REVOLUTE:
-                s, c = sine[k, 0], cosine[k, 0]
-            else:
-                s, c = q[k + 1, 0], q[k, 0]
-            R = turned(R, s, c)
-            z = R[6:9]
-            store6(S, i, cross(r, z) + z)
-        store9(frames.R, i, R)
-        store3(frames.r, i, r)
-        com = add3(r, rotate(R, load3(joints.com, i)))
-        store21(I, i, rigid_inertia(com, joints.mass[i, 0], rotate_sym3(R, load6(joints.inertia, i))))
+        h, k, kind = joints.parent[i], joints.first[i], joints.kind[i]
+        R = load9(w.R, h)
+        if kind <= CONTINUOUS:  # by itself, as it is what most joints are
+            s, c = (w.sine[k, 0], w.cosine[k, 0]) if kind == REVOLUTE else (q[k + 1, 0], q[k, 0])
+            d = rotate(R, load3(joints.b, i))
+            R = turned(mat3_mul(R, load9(joints.A, i)), s, c)
+            store6(w.S, i, none + R[6:9])
+            store_link(joints, w, I, i, R, d, add3(load3(w.r, h), d))
+            continue
+        d = none
+        if kind != SAME_JOINT:
+            d = rotate(R, load3(joints.b, i))
+            R = mat3_mul(R, load9(joints.A, i))
+        if kind == PRISMATIC:
+            d = add3(d, scale3(R[6:9], q[k, 0]))
+            store6(w.S, i, R[6:9] + none)
+        elif kind == HELICAL:
+            R = turned(R, w.sine[k, 0], w.cosine[k, 0])
+            slope = scale3(R[6:9], joints.pitch[i, 0])
+            d = add3(d, scale3(slope, q[k, 0]))
+            store6(w.S, i, slope + R[6:9])
+        elif kind == SPHERICAL:
+            R = mat3_mul(R, rotation(quaternion_in(q, k)))
+            store_axes(w.S, i, none + R)
+        elif kind == PLANAR:
+            d = add3(d, add3(scale3(R[0:3], q[k, 0]), scale3(R[3:6], q[k + 1, 0])))
+            R = turned(R, q[k + 3, 0], q[k + 2, 0])
+            store6(w.S, i, R[0:3] + none)
+            store6(w.S, i + 1, R[3:6] + none)
+            store6(w.S, i + 2, none + R[6:9])
+        elif kind == FLOATING:
+            d = add3(d, rotate(R, (q[k, 0], q[k + 1, 0], q[k + 2, 0])))
+            R = mat3_mul(R, rotation(quaternion_in(q, k + 3)))
+            store6(w.S, i, R[0:3] + none)
+            store6(w.S, i + 1, R[3:6] + none)
+            store6(w.S, i + 2, R[6:9] + none)
+            store_axes(w.S, i + 3, none + R)
+        store_link(joints, w, I, i, R, d, add3(load3(w.r, h), d))
 
 
 @inlined
-def move_links(joints: Joints, velocity: Table, frames: Frames, S: Table, v: Table, a: Table) -> None:
-    """Fill velocities, seen from the frame that moves along with the base, and accelerations while nothing accelerates.
+def store_axes(S: Table, i: int, R: Row) -> None:
+    """Write columns about the three axes of a link to the rows of `S` from `i` on; `R` follows three zeros."""
+    store6(S, i, R[0:3] + R[3:6])
+    store6(S, i + 1, R[0:3] + R[6:9])
+    store6(S, i + 2, R[0:3] + R[9:12])
 
-    `velocity` (nv, 1): base twist in base axes, then joint rates.
+
+@inlined
+def store_link(joints: Joints, w: Work, I: Table, i: int, R: Row, d: Row, r: Row) -> None:
+    """Write axes, way from the parent, position and inertia of link `i`."""
+    store9(w.R, i, R)
+    store3(w.d, i, d)
+    store3(w.r, i, r)
+    about_centre = rotate_sym3(R, load6(joints.inertia, i))
+    store21(I, i, rigid_inertia(rotate(R, load3(joints.com, i)), joints.mass[i, 0], about_centre))
+
+
+@inlined
+def move_links(joints: Joints, w: Work) -> None:
+    """Fill twists `v`, and accelerations `a` while no joint accelerates, from `w.velocity`.
+
+    `w.velocity` (nv, 1) holds the base twist in base axes, then joint rates.
     """
-    omega = rotate(load9(frames.R, 0), (velocity[3, 0], velocity[4, 0], velocity[5, 0]))
-    o = like(0.0, omega[0])
-    store6(v, 0, (o, o, o) + omega)
-    store6(a, 0, (o, o, o, o, o, o))
+    omega = rotate(load9(w.R, 0), (w.velocity[3, 0], w.velocity[4, 0], w.velocity[5, 0]))
+    none = zero6(omega)
+    store6(w.v, 0, none[0:3] + omega)
+    store6(w.a, 0, none)
     for i in range(1, joints.parent.size):
-        h = joints.parent[i]
-        across = scale6(load6(S, i), velocity[i + 5, 0])
-        moved = add6(load6(v, h), across)
-        store6(v, i, moved)
-        store6(a, i, add6(load6(a, h), cross_motion(moved, across)))
+        h, kind = joints.parent[i], joints.kind[i]
+        v, a = load6(w.v, h), load6(w.a, h)
+        if kind != SAME_JOINT:
+            d, across = load3(w.d, i), scale6(load6(w.S, i), w.velocity[i + 5, 0])
+            for more in range(i + 1, i + COLUMNS[kind]):
+                across = add6(across, scale6(load6(w.S, more), w.velocity[more + 5, 0]))
+            v = add6(motion_at(d, v), across)
+            a = add6(motion_at(d, a), cross_motion(v, across))
+        store6(w.v, i, v)
+        store6(w.a, i, a)
+
+
+@entry
+def place_from_pinocchio(placements: Floats, J: Floats, a: Floats, memory: Floats) -> int:
+    """Fill the links' tables in `memory` from Pinocchio's frame data, of any joint type; `velocity` stands there.
+
+    Return zero, or one where a number is not finite.
+
+    Parameters
+    ----------
+    placements : (njoints, 12) rotation by columns, then translation; inertial axes, about the base.
+    J : (nv, 6) joint columns, likewise; the first six rows are the base's.
+    a : (njoints, 6) spatial accelerations at zero q̈, likewise.
+    """
+    here = unowned(memory)
+    joints, w = open_robot(here).joints, open_work(here, zeros(1))
+    none = (0.0, 0.0, 0.0)
+    for i in range(joints.parent.size):
+        h, body = joints.parent[i], joints.body[i]
+        R = mat3_mul(load9(placements, body), load9(joints.axes, i))
+        r = load_translation(placements, body)
+        store_link(joints, w, w.I, i, R, sub3(r, load3(w.r, h)) if i > 0 else none, r)
+        if i == 0:
+            v = none + rotate(R, (w.velocity[3, 0], w.velocity[4, 0], w.velocity[5, 0]))
+        else:
+            S = motion_at(r, load6(J, i + 5))
+            store6(w.S, i, S)
+            v = add6(motion_at(load3(w.d, i), load6(w.v, h)), scale6(S, w.velocity[i + 5, 0]))
+        store6(w.v, i, v)
+        store6(w.a, i, motion_at(r, load6(a, body)))
+    nonfinite = 0.0
+    for i in range(joints.parent.size):
+        nonfinite += 0.0 * (w.r[i, 0] + w.r[i, 1] + w.r[i, 2])
+        for k in range(6):
+            nonfinite += 0.0 * (w.v[i, k] + w.a[i, k] + (w.S[i, k] if i > 0 else 0.0))
+        for k in range(21):
+            nonfinite += 0.0 * w.I[i, k]
+    return 0 if nonfinite == 0.0 else 1

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ospace.kernels.lanes import entry
-from ospace.kernels.tables import Floats
+from ospace.kernels.jit.compile import entry
+from ospace.kernels.tree import Floats
 
 
 @entry

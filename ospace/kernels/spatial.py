@@ -9,14 +9,14 @@ sym3   symmetric 3×3 as the 6 numbers of its lower rows
 36     6×6 matrix by rows
 ====== =======================================================================================
 
-All quantities of a state stand in one frame: inertial axes, centred on the base. In a common frame every
-transform of the paper between links is the identity; only operational points lie elsewhere (`motion_at`).
+All quantities of a state stand in inertial axes, so that the paper's ᵢʰX between links is a shift of the origin alone:
+`motion_at`, `force_from`, `inertia_from`.
 """
 
 from __future__ import annotations
 
-from ospace.kernels.lanes import Number, Row, inlined
-from ospace.kernels.simd import like
+from ospace.kernels.jit.compile import Number, Row, inlined
+from ospace.kernels.jit.simd import full_like
 
 # -- three-dimensional ---------------------------------------------------------------------------------------
 
@@ -27,8 +27,18 @@ def add3(a: Row, b: Row) -> Row:
 
 
 @inlined
+def sub3(a: Row, b: Row) -> Row:
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+@inlined
 def scale3(a: Row, k: Number) -> Row:
     return (a[0] * k, a[1] * k, a[2] * k)
+
+
+@inlined
+def dot3(a: Row, b: Row) -> Number:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @inlined
@@ -116,7 +126,7 @@ def dot6(a: Row, b: Row) -> Number:
 @inlined
 def zero6(a: Row) -> Row:
     """Six zeros, of the kind of number that `a` holds."""
-    o = like(0.0, a[0])
+    o = full_like(0.0, a[0])
     return (o, o, o, o, o, o)
 
 
@@ -150,13 +160,13 @@ def body_force(I: Row, v: Row, a: Row) -> Row:
 
 @inlined
 def motion_at(p: Row, v: Row) -> Row:
-    """The motion v, given at the base, at the point p: ᵉX ᵀv = [v + ω × p; ω]."""
+    """The motion v, given at the origin, at the point p: ᵉXᵀ v = [v + ω × p; ω]."""
     return add3(linear(v), cross(angular(v), p)) + angular(v)
 
 
 @inlined
 def force_from(p: Row, f: Row) -> Row:
-    """The force f, given at the point p, at the base: X f = [f; n + p × f]."""
+    """The force f, given at the point p, at the origin: X f = [f; n + p × f]."""
     return linear(f) + add3(angular(f), cross(p, linear(f)))
 
 
@@ -173,13 +183,51 @@ def classical(a: Row, v: Row) -> Row:
 def rigid_inertia(c: Row, m: Number, I: Row) -> Row:
     """Inertia about the origin of a mass m at c with rotational inertia I about c: [m −m c̃; m c̃ I − m c̃ c̃]."""
     h = scale3(c, m)
-    o = like(0.0, h[0])
+    o = full_like(0.0, h[0])
     m = m + o
     return (
         (m, o, m, o, o, m)
         + (o, -h[2], h[1], I[0] + h[1] * c[1] + h[2] * c[2])
         + (h[2], o, -h[0], I[1] - h[1] * c[0], I[2] + h[0] * c[0] + h[2] * c[2])
         + (-h[1], h[0], o, I[3] - h[2] * c[0], I[4] - h[2] * c[1], I[5] + h[0] * c[0] + h[1] * c[1])
+    )
+
+
+@inlined
+def mass_centre(I: Row) -> Row:
+    """Centre of mass of the inertia I about the origin: its first moments over its mass."""
+    return scale3((I[16], I[8], I[10]), 1.0 / I[0])
+
+
+@inlined
+def diagonal(A: Row) -> Row:
+    return (A[0], A[2], A[5], A[9], A[14], A[20])
+
+
+@inlined
+def inertia_from(p: Row, I: Row) -> Row:
+    """The inertia I = [M Hᵀ; H J], given at the point p, at the origin: X I Xᵀ = [M ·; H + p̃ M  J + p̃ Hᵀ + (…)ᵀ]."""
+    x, y, z = p
+    H = (
+        (I[6] + y * I[3] - z * I[1], I[7] + y * I[4] - z * I[2], I[8] + y * I[5] - z * I[4])
+        + (I[10] + z * I[0] - x * I[3], I[11] + z * I[1] - x * I[4], I[12] + z * I[3] - x * I[5])
+        + (I[15] + x * I[1] - y * I[0], I[16] + x * I[2] - y * I[1], I[17] + x * I[4] - y * I[3])
+    )
+    return (
+        I[0:6]
+        + H[0:3]
+        + (I[9] + (y * I[8] - z * I[7]) + (y * H[2] - z * H[1]),)
+        + H[3:6]
+        + (
+            I[13] + (z * I[6] - x * I[8]) + (y * H[5] - z * H[4]),
+            I[14] + (z * I[10] - x * I[12]) + (z * H[3] - x * H[5]),
+        )
+        + H[6:9]
+        + (
+            I[18] + (x * I[7] - y * I[6]) + (y * H[8] - z * H[7]),
+            I[19] + (x * I[11] - y * I[10]) + (z * H[6] - x * H[8]),
+            I[20] + (x * I[16] - y * I[15]) + (x * H[7] - y * H[6]),
+        )
     )
 
 
@@ -193,6 +241,16 @@ def sym6_mul(A: Row, s: Row) -> Row:
         (A[6] * s[0] + A[7] * s[1] + A[8] * s[2]) + (A[9] * s[3] + A[13] * s[4] + A[18] * s[5]),
         (A[10] * s[0] + A[11] * s[1] + A[12] * s[2]) + (A[13] * s[3] + A[14] * s[4] + A[19] * s[5]),
         (A[15] * s[0] + A[16] * s[1] + A[17] * s[2]) + (A[18] * s[3] + A[19] * s[4] + A[20] * s[5]),
+    )
+
+
+@inlined
+def sym6_mul_angular(A: Row, s: Row) -> Row:
+    """A [0; s]."""
+    return (
+        (A[6] * s[0] + A[10] * s[1] + A[15] * s[2], A[7] * s[0] + A[11] * s[1] + A[16] * s[2])
+        + (A[8] * s[0] + A[12] * s[1] + A[17] * s[2], A[9] * s[0] + A[13] * s[1] + A[18] * s[2])
+        + (A[13] * s[0] + A[14] * s[1] + A[19] * s[2], A[18] * s[0] + A[19] * s[1] + A[20] * s[2])
     )
 
 
@@ -254,6 +312,16 @@ def mat3_mul(A: Row, B: Row) -> Row:
 @inlined
 def mat3_transpose(A: Row) -> Row:
     return (A[0], A[3], A[6], A[1], A[4], A[7], A[2], A[5], A[8])
+
+
+@inlined
+def unit36(like_these: Row) -> Row:
+    """The unit matrix, of the kind of number that `like_these` holds."""
+    o, i = full_like(0.0, like_these[0]), full_like(1.0, like_these[0])
+    return (
+        (i, o, o, o, o, o) + (o, i, o, o, o, o) + (o, o, i, o, o, o)
+        + (o, o, o, i, o, o) + (o, o, o, o, i, o) + (o, o, o, o, o, i)
+    )  # fmt: skip
 
 
 # -- full 6×6 ------------------------------------------------------------------------------------------------

@@ -18,14 +18,15 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ospace.kernels.kinematics import CONTINUOUS
-from ospace.kernels.lanes import Number, Row, inlined, load3, load6, load9, load21, store6
-from ospace.kernels.memory import Robot, Work
-from ospace.kernels.rotations import exponential, rotation_vector
+from ospace.kernels.jit.compile import Number, Row, Table, inlined
+from ospace.kernels.jit.load_store import load3, load3_at, load6, load6_at, load9, load21, store6
+from ospace.kernels.kinematics import quaternion_in, rotation
+from ospace.kernels.so3 import exponential, rotation_vector
 from ospace.kernels.spatial import (
     add3,
     add6,
     cross,
+    dot3,
     force_from,
     mat3_mul,
     mat3_transpose,
@@ -33,11 +34,13 @@ from ospace.kernels.spatial import (
     rotate,
     scale3,
     scale6,
+    sub3,
     sub6,
     sym6_mul,
     zero6,
 )
-from ospace.kernels.tables import Floats, Ints
+from ospace.kernels.tree import CONTINUOUS, FLOATING, PLANAR, SAME_JOINT, SPHERICAL, Floats, Ints, Joints
+from ospace.kernels.workspace import Robot, Work
 
 LARGEST = 1e3
 """m/s², rad/s²."""
@@ -66,7 +69,7 @@ class Tasks(NamedTuple):
     reference: Floats
     """(T, REFERENCE)."""
     posture: Floats
-    """(T, n)."""
+    """(T, nq) positions of the joints as in q."""
     node: Ints
     """(p,) node of each point."""
     turn: Floats
@@ -117,39 +120,19 @@ def follow(tasks: Tasks, t: int, time: float) -> tuple[Row, Row, Row, Row]:
         T = row[t, DURATION]
         s, rate, curve = minimum_jerk((time - row[t, START]) / T)
         rate, curve = rate / T, curve / (T * T)
-    place, way = _three(row, t, PLACE), _three(row, t, WAY)
-    turning = _three(row, t, TURNING)
-    R_0 = _three(row, t, TURN) + _three(row, t, TURN + 3) + _three(row, t, TURN + 6)
-    v = add6(_six(row, t, VELOCITY), scale3(way, rate) + scale3(turning, rate))
-    a = add6(_six(row, t, ACCELERATION), scale3(way, curve) + scale3(turning, curve))
+    place, way = load3_at(row, t, PLACE), load3_at(row, t, WAY)
+    turning = load3_at(row, t, TURNING)
+    R_0 = load3_at(row, t, TURN) + load3_at(row, t, TURN + 3) + load3_at(row, t, TURN + 6)
+    v = add6(load6_at(row, t, VELOCITY), scale3(way, rate) + scale3(turning, rate))
+    a = add6(load6_at(row, t, ACCELERATION), scale3(way, curve) + scale3(turning, curve))
     return add3(place, scale3(way, s)), mat3_mul(exponential(scale3(turning, s)), R_0), v, a
-
-
-@inlined
-def _three(rows: Floats, i: int, k: int) -> Row:
-    return (rows[i, k], rows[i, k + 1], rows[i, k + 2])
-
-
-@inlined
-def _six(rows: Floats, i: int, k: int) -> Row:
-    return _three(rows, i, k) + _three(rows, i, k + 3)
-
-
-@inlined
-def sub3(a: Row, b: Row) -> Row:
-    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
-
-
-@inlined
-def dot3(a: Row, b: Row) -> Number:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @inlined
 def wrench_of(w: Work, base: Actuation, k: int) -> Row:
     """The wrench on the base, at the base, that a unit of û_k is."""
     c, none = base.component[k], (0.0, 0.0, 0.0)
-    axis = scale3(_three(w.R, 0, 3 * (c % 3)), base.scale[k])
+    axis = scale3(load3_at(w.R, 0, 3 * (c % 3)), base.scale[k])
     return axis + none if c < 3 else none + axis
 
 
@@ -181,7 +164,8 @@ def place_of(w: Work, tasks: Tasks, e: int) -> Row:
 @inlined
 def velocity_of(w: Work, robot: Robot, tasks: Tasks, e: int) -> Row:
     """ẋ_e, seen from the frame that moves along with the base."""
-    return motion_at(place_of(w, tasks, e), load6(w.v, robot.nodes.link[tasks.node[e]]))
+    node = tasks.node[e]
+    return motion_at(load3(w.arm, node), load6(w.v, robot.nodes.link[node]))
 
 
 @inlined
@@ -189,7 +173,7 @@ def column_of(w: Work, base: Actuation, tasks: Tasks, e: int, k: int) -> Row:
     """Column `k` of what moves point `e`: of J_m*, then of the base's actuation."""
     n = w.J_m_star.shape[0]
     if k < n:
-        return _six(w.J_m_star, k, 6 * e)
+        return load6_at(w.J_m_star, k, 6 * e)
     return motion_at(place_of(w, tasks, e), load6(base.response, k - n))
 
 
@@ -321,12 +305,6 @@ def across(d: Row) -> tuple[Row, Row]:
 
 
 @inlined
-def mass_centre(w: Work) -> Row:
-    """Centre of mass about the base: the first moments of I_0^C over the mass."""
-    return scale3((w.IC[0, 16], w.IC[0, 8], w.IC[0, 10]), 1.0 / w.IC[0, 0])
-
-
-@inlined
 def centre_of_mass_rows(w: Work, base: Actuation, tasks: Tasks, rows: Rows, t: int, time: float) -> None:
     """The centre of mass follows the reference: moved by the base wrench alone, m c̈ = f."""
     place, _, v_ref, a_ref = follow(tasks, t, time)
@@ -336,7 +314,7 @@ def centre_of_mass_rows(w: Work, base: Actuation, tasks: Tasks, rows: Rows, t: i
     for k in range(rows.block.shape[0]):
         store6(rows.block, k, none + none)
     act(w, base, rows, 1.0 / w.IC[0, 0], 0.0)
-    error, rate = sub3(from_base, mass_centre(w)), sub3(v_ref[0:3], v)
+    error, rate = sub3(from_base, load3(w.mass_centre, 0)), sub3(v_ref[0:3], v)
     ask(tasks, rows, t, error + none, rate + none, scale3(a_ref[0:3], -1.0) + none)
 
 
@@ -345,7 +323,7 @@ def momentum_rows(w: Work, base: Actuation, tasks: Tasks, rows: Rows, t: int, ti
     """Linear momentum, and angular about the centre of mass, approach h_ref: ḣ = ḣ_ref + k (h_ref − h)."""
     _, _, h_ref, rate_ref = follow(tasks, t, time)
     momentum = load6(w.momentum, 0)
-    h = momentum[0:3] + sub3(momentum[3:6], cross(mass_centre(w), momentum[0:3]))
+    h = momentum[0:3] + sub3(momentum[3:6], cross(load3(w.mass_centre, 0), momentum[0:3]))
     for k in range(rows.block.shape[0]):
         store6(rows.block, k, zero6(h))
     act(w, base, rows, 1.0, 1.0)
@@ -356,9 +334,43 @@ def momentum_rows(w: Work, base: Actuation, tasks: Tasks, rows: Rows, t: int, ti
 def act(w: Work, base: Actuation, rows: Rows, linear: float, angular: float) -> None:
     """Write the wrench of each û, about the centre of mass, times `linear` and `angular`, to the block."""
     for k in range(base.component.size):
-        wrench = force_from(scale3(mass_centre(w), -1.0), wrench_of(w, base, k))
+        wrench = force_from(scale3(load3(w.mass_centre, 0), -1.0), wrench_of(w, base, k))
         at = w.J_m_star.shape[0] + k
         store6(rows.block, at, scale3(wrench[0:3], linear) + scale3(wrench[3:6], angular))
+
+
+@inlined
+def position_error(joints: Joints, q: Table, posture: Floats, t: int, j: int) -> Number:
+    """What is left to go for joint rate `j`, along or about the axis of its column, from `q` to the posture."""
+    i = j + 1
+    while joints.kind[i] == SAME_JOINT:
+        i -= 1
+    k, kind, column = joints.first[i], joints.kind[i], j + 1 - i
+    if kind == CONTINUOUS:
+        return angle_between(q[k, 0], q[k + 1, 0], posture[t, k], posture[t, k + 1])
+    if kind == PLANAR and column == 2:
+        return angle_between(q[k + 2, 0], q[k + 3, 0], posture[t, k + 2], posture[t, k + 3])
+    if kind == PLANAR:
+        x, y = posture[t, k] - q[k, 0], posture[t, k + 1] - q[k + 1, 0]
+        c, s = q[k + 2, 0], q[k + 3, 0]
+        return c * x + s * y if column == 0 else c * y - s * x
+    if kind == FLOATING and column < 3:
+        way = (posture[t, k] - q[k, 0], posture[t, k + 1] - q[k + 1, 0], posture[t, k + 2] - q[k + 2, 0])
+        R_T = mat3_transpose(rotation(quaternion_in(q, k + 3)))
+        return component(rotate(R_T, way) + (0.0, 0.0, 0.0), column)
+    if kind in (SPHERICAL, FLOATING):
+        first = k + 3 if kind == FLOATING else k
+        R = rotation(quaternion_in(q, first))
+        R_ref = rotation((posture[t, first], posture[t, first + 1], posture[t, first + 2], posture[t, first + 3]))
+        turn = rotation_vector(mat3_mul(mat3_transpose(R), R_ref))
+        return component(turn + turn, column)
+    return posture[t, k] - q[k, 0]
+
+
+@inlined
+def angle_between(c: float, s: float, c_ref: float, s_ref: float) -> float:
+    """Angle from one direction to the other, each by cosine and sine."""
+    return math.atan2(s_ref * c - c_ref * s, c_ref * c + s_ref * s)
 
 
 @inlined
@@ -367,14 +379,8 @@ def joint_rows(w: Work, robot: Robot, tasks: Tasks, rows: Rows, t: int) -> None:
     k, d = tasks.gain[t, 0], tasks.gain[t, 1]
     for row in range(tasks.first[t], tasks.first[t + 1]):
         j = tasks.rows[row]
-        at, rate = robot.joints.first[j + 1], w.velocity[j + 6, 0]
-        error = -rate
-        if tasks.kind[t] == POSTURE:
-            if robot.joints.kind[j + 1] == CONTINUOUS:
-                off = tasks.posture[t, j] - math.atan2(w.q[at + 1, 0], w.q[at, 0])
-                error = math.atan2(math.sin(off), math.cos(off))
-            else:
-                error = tasks.posture[t, j] - w.q[at, 0]
+        rate = w.velocity[j + 6, 0]
+        error = position_error(robot.joints, w.q, tasks.posture, t, j) if tasks.kind[t] == POSTURE else -rate
         asked = (k * error if tasks.kind[t] == POSTURE else 0.0) - d * rate
         rows.b[row] = min(max(asked, -LARGEST), LARGEST)
         rows.error[row] = error

@@ -7,9 +7,9 @@ With the base quaternion (x, y, z, w) of q[3:7], R = R_WB and the wrench [f; n] 
 
 from __future__ import annotations
 
-from ospace.kernels.lanes import entry, inlined
+from ospace.kernels.jit.compile import entry, inlined
 from ospace.kernels.spatial import add3, cross, scale3
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 
 
 @inlined

@@ -27,7 +27,7 @@ from ospace.control import (
     Task,
 )
 from ospace.control.references import Reference
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.robot import SpaceRobot
 from ospace.state import State
 
@@ -209,7 +209,7 @@ class LimitsPlan:
     def of(self, robot: SpaceRobot, actuated: SpaceRobot) -> JointLimits:
         """Return the limits of `robot`, of whose joints those of `actuated` have drives."""
         limits = JointLimits.of(robot, acceleration=self.acceleration, share=self.share)
-        idle = np.array([name not in actuated.joint_names for name in robot.joint_names], dtype=bool)
+        idle = np.array([name not in actuated.rate_names for name in robot.rate_names], dtype=bool)
         if not idle.any():
             return limits
         free = np.where(idle, np.inf, 0.0)

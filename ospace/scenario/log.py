@@ -21,7 +21,7 @@ import pinocchio as pin
 import ospace
 from ospace.exceptions import OspaceError, printable
 from ospace.files import arrays, replacing
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.scenario.result import BASE, Contact, PhaseResult, Run, Segment, TaskErrors, Verdict
 from ospace.simulation import Certificate, Conserved, Excess, Trajectory
 from ospace.simulation.certificate import LIMITS
@@ -144,11 +144,11 @@ def of(run: Run) -> Log:
 def _logged(segment: Segment, run: Run) -> LoggedSegment:
     robot, actuated = segment.robot, run.scenario.robot
     limits = run.scenario.limits.of(robot, actuated).torque
-    driven = [name in actuated.joint_names for name in robot.joint_names]
+    driven = [name in actuated.rate_names for name in robot.rate_names]
     target = None
     if segment.target is not None:
         target = TargetMotion(segment.target.name, segment.target_time, segment.target_q, segment.target_v)
-    return LoggedSegment(tuple(robot.joint_names), np.where(driven, limits, 0.0), segment.trajectory, target)
+    return LoggedSegment(tuple(robot.rate_names), np.where(driven, limits, 0.0), segment.trajectory, target)
 
 
 # -- one file ----------------------------------------------------------------------------------------------------

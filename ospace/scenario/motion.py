@@ -30,7 +30,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from ospace.exceptions import OspaceError
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.points import OperationalPoint
 from ospace.simulation import Certificate, simulate
 from ospace.simulation.plant import Plant

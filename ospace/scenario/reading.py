@@ -19,7 +19,7 @@ from ospace.control.base import MODES
 from ospace.control.solvers import solver_named
 from ospace.exceptions import OspaceError, ScenarioError, closest
 from ospace.joint_positions import Position
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.points import parse_axes
 from ospace.robot import SpaceRobot
 from ospace.scenario.description import (

@@ -11,7 +11,7 @@ import pinocchio as pin
 
 from ospace.control import Command, Controller, Task
 from ospace.kernels import tasks as kernel
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.points import OperationalPoint
 from ospace.scenario.result import BASE, TaskErrors
 

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from ospace.joint_positions import unit_of
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.robot import SpaceRobot
 from ospace.scenario.description import LimitsPlan, Scenario
 from ospace.simulation import Certificate, Conserved, Excess, Grasp, Trajectory

@@ -14,7 +14,7 @@ import pinocchio as pin
 from ospace.control import Command, Controller, Function
 from ospace.control.references import Reference
 from ospace.exceptions import SimulationError
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.robot import SpaceRobot
 from ospace.scenario.description import Follow, GraspPlan, PhasePlan, Release, Scenario
 from ospace.scenario.motion import FreeMotion

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.scenario.log import Log
 from ospace.scenario.result import BASE, PhaseResult, TaskErrors
 from ospace.simulation.certificate import balances

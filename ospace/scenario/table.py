@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from ospace.exceptions import closest
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.scenario import units
 
 _UNIT_LENGTH = 1e-3

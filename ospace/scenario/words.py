@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.scenario.result import PhaseResult, Verdict
 from ospace.simulation import Excess
 

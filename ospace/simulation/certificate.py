@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 
 if TYPE_CHECKING:
     from ospace.simulation.trajectory import Trajectory

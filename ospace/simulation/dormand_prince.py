@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from ospace.exceptions import OspaceError
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.simulation.lie import LOG, Adjoint, series
 from ospace.simulation.plant import Plant
 from ospace.simulation.runge_kutta import Motion

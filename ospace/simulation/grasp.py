@@ -17,7 +17,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from ospace.dynamics.operational_space import operational_space
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.points import OperationalPoint, check_owner
 from ospace.simulation.joined_model import JoinedModel, join
 from ospace.simulation.moving_frame import MovingFrame

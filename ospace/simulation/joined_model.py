@@ -20,7 +20,7 @@ import numpy as np
 import pinocchio as pin
 
 from ospace.exceptions import OspaceError
-from ospace.kernels.tables import Floats, Ints
+from ospace.kernels.tree import Floats, Ints
 from ospace.robot import SpaceRobot
 
 _PER_VELOCITY = (  # the same limits bear older names too, which come first

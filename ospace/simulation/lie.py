@@ -19,7 +19,7 @@ import numpy as np
 import pinocchio as pin
 
 from ospace.exceptions import OspaceError
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 
 _TERMS = 13
 _LOG_OF_ROUNDING = math.log(1e-17)

@@ -10,7 +10,7 @@ import pinocchio as pin
 
 from ospace.checks import real_numbers
 from ospace.exceptions import OspaceError
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.robot import SpaceRobot
 
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ospace.kernels.tables import Floats
 from ospace.kernels.thrust import add_velocity
+from ospace.kernels.tree import Floats
 from ospace.state import State
 
 

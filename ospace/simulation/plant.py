@@ -20,8 +20,8 @@ import pinocchio as pin
 from ospace.checks import checked_vector, real_numbers
 from ospace.dynamics.joint_friction import JointFriction
 from ospace.exceptions import OspaceError
-from ospace.kernels.tables import Floats
 from ospace.kernels.thrust import push_base, push_point
+from ospace.kernels.tree import Floats
 from ospace.points import OperationalPoint, check_owner
 from ospace.robot import SpaceRobot
 from ospace.simulation.actuation import Command

@@ -22,7 +22,7 @@ import pinocchio as pin
 
 from ospace.dynamics.generalized_jacobian import generalized_jacobian
 from ospace.exceptions import OspaceError
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.robot import SpaceRobot
 
 Joints = Callable[[float], tuple[Floats, Floats]]

@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from ospace.joint_positions import ROUNDING, BoundedCoordinates, unit_of
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.robot import SpaceRobot
 from ospace.simulation.moving_frame import MovingFrame
 from ospace.simulation.plant import Plant

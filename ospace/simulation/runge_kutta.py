@@ -30,7 +30,7 @@ import pinocchio as pin
 
 from ospace.exceptions import OspaceError
 from ospace.kernels.runge_kutta import finish, halfway, to_the_end
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.simulation.plant import Plant
 
 _WEIGHTS = np.array([1.0, 2.0, 2.0, 1.0]) / 6.0

@@ -15,7 +15,7 @@ import pinocchio as pin
 from ospace.exceptions import OspaceError
 from ospace.files import arrays
 from ospace.joint_positions import in_unit
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.robot import SpaceRobot
 from ospace.simulation.certificate import Certificate, certify
 

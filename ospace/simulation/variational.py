@@ -23,7 +23,7 @@ import pinocchio as pin
 
 from ospace.dynamics.joint_friction import JointFriction
 from ospace.exceptions import OspaceError
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.simulation.lie import EXP, LOG, LOG_BACK, TRANSPORT, Adjoint, series, terms_of
 from ospace.simulation.plant import Plant
 from ospace.simulation.runge_kutta import Motion

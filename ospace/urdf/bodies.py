@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.urdf.description import Description, Inertial, Joint, Link, Pose, Triple
 
 

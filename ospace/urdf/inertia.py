@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.urdf.bodies import Body, tensor_of
 from ospace.urdf.codes import Severity
 from ospace.urdf.description import Link

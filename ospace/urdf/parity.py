@@ -16,7 +16,7 @@ import pinocchio as pin
 
 from ospace.exceptions import UrdfError
 from ospace.joint_axis import joint_axis
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.urdf.bodies import Body
 from ospace.urdf.description import Joint
 from ospace.urdf.findings import Finding, found

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.urdf.bodies import Body, placement, tensor_of
 from ospace.urdf.description import Description, Inertial, Link, Pose, Shape
 from ospace.urdf.findings import Finding, found

@@ -19,7 +19,7 @@ import numpy as np
 from lxml import etree
 
 from ospace.exceptions import OspaceError, printable
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.urdf import reader, source
 from ospace.urdf.inertia import ROUNDED, judge
 from ospace.urdf.numbers import NumberError, has_space_around, numbers, without_space_around, words

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.robot import SpaceRobot
 from ospace.urdf import plausibility
 from ospace.urdf.bodies import placement

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ospace.dynamics.dense import RANK_CUTOFF, scaled_singular_values
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 
 
 class Factor(NamedTuple):

@@ -12,7 +12,7 @@ import pinocchio as pin
 import yourdfpy
 
 from ospace.exceptions import OspaceError
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.robot import SpaceRobot
 from ospace.urdf.build import to_xml
 from ospace.urdf.description import Description

@@ -9,7 +9,7 @@ import numpy as np
 
 from ospace.dynamics.dense import solve
 from ospace.dynamics.joint_space import inverse_dynamics, momentum
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.validation.perturbation import Factor
 from ospace.validation.sample import Sample
 
@@ -73,10 +73,8 @@ def quantity(name: str, equation: str, computed_by: str, checked_against: str) -
 
 @quantity("link velocities v_i", "16", "outward recursion", "pin.forwardKinematics")
 def link_velocities(s: Sample) -> Comparison:
-    robot, tree = s.state.robot, s.state.tree
-    at = s.state.placements[1:, 9:]
-    v = tree.v[robot.link_of_joint[1:]]
-    linear = v[:, :3] + np.cross(v[:, 3:], at) + s.state.base_twist[:3]
+    v = s.state.table("v")[s.state.robot.layout.link_of_joint[1:]]
+    linear = v[:, :3] + s.state.base_twist[:3]
     value = np.hstack([linear, v[:, 3:]])
     return Comparison(value, s.dense.link_velocities, natural=float(np.abs(s.dense.velocity).max()))
 
@@ -96,7 +94,7 @@ def base_inertia(s: Sample) -> Comparison:
 @quantity("coupling inertia H_bm", "21", "composite bodies", "pin.crba")
 def coupling_inertia(s: Sample) -> Comparison:
     rows, columns = s.force_scale[:6], s.force_scale[6:]
-    return Comparison(s.joint_space.coupling_inertia, s.dense.H[:6, 6:], rows, columns, s.lever**0.5)
+    return Comparison(s.joint_space.coupling_inertia, s.dense.H[:6, 6:], rows, columns, s.reach)
 
 
 @quantity("manipulator inertia H_m", "21", "composite bodies", "pin.crba")
@@ -119,14 +117,14 @@ def manipulator_bias(s: Sample) -> Comparison:
 @quantity("base generalized Jacobian J_b*", "3, 27, 28", "composite bodies", "pin.crba")
 def base_generalized_jacobian(s: Sample) -> Comparison:
     value = s.jacobians.base_generalized_jacobian
-    condition = s.condition_H_b * s.lever**0.5
+    condition = s.condition_H_b * s.reach
     return Comparison(value, s.dense.J_b_star, s.velocity_scale[:6], s.force_scale[6:], condition)
 
 
 @quantity("generalized Jacobian J_m*", "5, 29-31", "composite bodies", "crba, Jacobians")
 def generalized_jacobian_(s: Sample) -> Comparison:
     value = s.jacobians.generalized_jacobian
-    condition = s.condition_H_b * (s.lever + s.point_lever) ** 0.5
+    condition = s.condition_H_b * (s.reach + s.point_lever**0.5)
     return Comparison(value, s.dense.J_m_star, s.point_scale, s.force_scale[6:], condition)
 
 
@@ -157,7 +155,7 @@ def generalized_inertia(s: Sample) -> Comparison:
 def generalized_inertia_inverse(s: Sample) -> Comparison:
     n, scale = s.state.robot.n_joints, s.velocity_scale[6:]
     value = solve(s.generalized.generalized_inertia, np.eye(n)) if n else np.empty((0, 0))
-    return Comparison(value, s.dense.H_inv[6:, 6:], scale, scale, s.condition_H)
+    return Comparison(value, s.dense.H_inv[6:, 6:], scale, scale, s.condition_minverse)
 
 
 @quantity("generalized bias c_m*", "7", "composite forces", "crba, rnea")
@@ -169,9 +167,7 @@ def generalized_bias(s: Sample) -> Comparison:
 
 @quantity("point Jacobian J_e", "16, 29", "outward recursion", "Jacobians")
 def jacobian(s: Sample) -> Comparison:
-    return Comparison(
-        s.operational.jacobian, s.dense.J_e, s.point_scale, s.force_scale, (s.lever + s.point_lever) ** 0.5
-    )
+    return Comparison(s.operational.jacobian, s.dense.J_e, s.point_scale, s.force_scale, s.reach + s.point_lever**0.5)
 
 
 @quantity("inverse inertia, all blocks", "37-41", "forward chain", "crba, Jacobians (9)")
@@ -183,7 +179,8 @@ def inertia_inverse(s: Sample) -> Comparison:
 @quantity("inverse inertia, all blocks", "37-41", "forward chain", "pin.computeMinverse")
 def inertia_inverse_by_minverse(s: Sample) -> Comparison:
     reference = s.dense.J_e @ s.dense.H_inv @ s.dense.J_e.T
-    return Comparison(s.operational.inertia_inverse, reference, s.point_scale, s.point_scale, s.condition_mobility)
+    condition = s.condition_minverse + s.point_lever
+    return Comparison(s.operational.inertia_inverse, reference, s.point_scale, s.point_scale, condition)
 
 
 @quantity("operational inertia", "§6.2 step 5", "forward chain", "dense (9)")
@@ -229,7 +226,7 @@ def null_space_projector(s: Sample) -> Comparison:
     Gamma = s.dense.Gamma_e
     reference = np.eye(s.state.robot.nv) - s.dense.response @ Gamma @ s.dense.J_e
     value = s.operational.null_space_projector
-    condition = (s.lever + s.point_lever) ** 0.5
+    condition = s.reach + s.point_lever**0.5
     J_e = s.factor(s.operational.jacobian, s.dense.J_e, s.point_scale, s.force_scale, condition)
     return Comparison(value, reference, s.velocity_scale, s.force_scale).off_by(s.Gamma.of(_response(s), J_e))
 

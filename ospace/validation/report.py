@@ -12,7 +12,7 @@ import pinocchio as pin
 import ospace
 from ospace.dynamics.joint_space import joint_space_dynamics
 from ospace.exceptions import OspaceError, SingularInertiaError
-from ospace.points import OperationalPoint, point_set
+from ospace.points import OperationalPoint, points_of
 from ospace.robot import SpaceRobot
 from ospace.urdf.findings import Finding, found, gravest_first
 from ospace.validation.agreement import Agreement, AgreementTable, summary
@@ -144,7 +144,7 @@ def check(
 
     Every second state is 7e6 m from the origin. `progress` is called with the number of states done.
     """
-    points = point_set(robot, points).points
+    points = points_of(robot, points)
     rng = np.random.default_rng(seed)
     table, extremes, findings = AgreementTable(), Extremes(points), [*robot.findings, *of_meshes(robot)]
     reader = _second_reader(robot, findings)

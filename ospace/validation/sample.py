@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ospace.dynamics import workspace
 from ospace.dynamics.dense import Dense
 from ospace.dynamics.free_floating import FreeFloating, free_floating
 from ospace.dynamics.generalized_jacobian import GeneralizedJacobian, generalized_jacobian
@@ -18,8 +19,9 @@ from ospace.dynamics.joint_space import (
     joint_space_dynamics,
 )
 from ospace.dynamics.operational_space import OperationalSpace, operational_space
-from ospace.kernels import composite
-from ospace.kernels.tables import Floats
+from ospace.exceptions import OspaceError
+from ospace.kernels import evaluation
+from ospace.kernels.tree import Floats
 from ospace.points import OperationalPoint
 from ospace.state import State
 from ospace.validation.perturbation import Factor, InversePerturbation, rank_is_decided
@@ -34,6 +36,8 @@ class Sample:
         self.state, self.points = state, tuple(points)
         self.operational = operational_space(state, self.points)  # first: it refuses a joint without inertia
         self.dense = Dense(state, self.points)
+        if not (np.diag(self.dense.H) > 0.0).all() or not (np.diag(self.dense.Gamma_e_inv) > 0.0).all():
+            raise OspaceError("an inertia is not positive by Pinocchio: masses or lengths are too large or too small")
         self.load = rng.normal(size=state.robot.nv) * self.velocity_scale
         self.F_e = rng.normal(size=len(self.dense.J_e)) * self.point_scale
 
@@ -91,13 +95,24 @@ class Sample:
 
     @cached_property
     def lever(self) -> float:
-        """The most by which terms that cancel exceed what is left of them at a joint: long arms, small last links.
+        """The most by which terms that cancel exceed what is left of them at a joint: small last links on long ones.
 
-        Inertias stand about the base, so a link's own small inertia about its joint is the difference of terms of
-        its mass times its distance squared.
+        A link's inertia stands at its own origin, and cancels there in proportion to its size; forces and motions are
+        carried to the base and back, and lose in proportion to the distance (`reach`).
         """
-        IC = composite.composite_inertia(self.state.robot.links, self.state.tree)[0]
-        terms = np.abs(self.state.tree.S) * np.sqrt(IC[:, [0, 2, 5, 9, 14, 20]])
+        return self._cancelled(0.0) + self.reach
+
+    @cached_property
+    def reach(self) -> float:
+        """The same for forces and motions that are carried from the base: the distance over the radius of gyration."""
+        return float(np.sqrt(self._cancelled(1.0)))
+
+    def _cancelled(self, from_base: float) -> float:
+        run = workspace.of(self.state)
+        run.evaluate(evaluation.FLOATING_BASE)
+        inertia, S = run.table("IC")[:, [0, 2, 5, 9, 14, 20]].copy(), run.table("S")
+        inertia[:, 3:] += from_base * inertia[:, :1] * np.square(run.table("r")).sum(axis=1, keepdims=True)
+        terms = np.abs(S) * np.sqrt(np.abs(inertia))
         return float((terms[1:].sum(axis=1) ** 2 / np.diag(self.dense.H)[6:]).max(initial=1.0))
 
     @cached_property
@@ -124,6 +139,11 @@ class Sample:
         return condition(self.dense.H) + self.lever
 
     @cached_property
+    def condition_minverse(self) -> float:
+        """Of `pin.computeMinverse`, whose inertias stand about the base and cancel by the square of the distance."""
+        return self.condition_H + self.reach**2
+
+    @cached_property
     def condition_mobility(self) -> float:
         return self.condition_H + self.point_lever
 
@@ -132,14 +152,14 @@ class Sample:
     @cached_property
     def Gamma(self) -> InversePerturbation:
         """How far Γ_e may be off."""
-        condition = (self.lever + self.point_lever) ** 0.5
+        condition = self.reach + self.point_lever**0.5
         value, dense = self.operational.inertia_inverse, self.dense
         return self._inverse(value, dense.Gamma_e_inv, dense.rank, dense.J_e, np.diag(dense.H), condition)
 
     @cached_property
     def Lambda(self) -> InversePerturbation:
         """How far Λ may be off."""
-        condition = self.condition_H_b * (self.lever + self.point_lever) ** 0.5
+        condition = self.condition_H_b * self.reach + self.point_lever**0.5
         value, dense = self.floating.floating_inertia_inverse, self.dense
         inertia = np.diag(dense.H_m_star)
         return self._inverse(value, dense.Lambda_inv, dense.floating_rank, dense.J_m_star, inertia, condition)

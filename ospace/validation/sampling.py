@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.robot import SpaceRobot
 from ospace.state import State
 

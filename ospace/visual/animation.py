@@ -13,7 +13,7 @@ import numpy as np
 from meshcat.animation import Animation, AnimationClip, AnimationTrack
 from meshcat.path import Path
 
-from ospace.kernels.tables import Floats, Ints
+from ospace.kernels.tree import Floats, Ints
 
 ERROR = 4e-7
 """How far a body may be from its motion between two keys: m, and half angles in rad."""

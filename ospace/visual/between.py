@@ -16,7 +16,7 @@ from collections.abc import Callable
 import numpy as np
 import pinocchio as pin
 
-from ospace.kernels.tables import Floats, Ints
+from ospace.kernels.tree import Floats, Ints
 
 _MOST = 60_000  # states; placing them takes seconds
 _CLOSE = 5e-3  # s

@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 from meshcat import geometry as g
 
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.robot import SpaceRobot
 from ospace.urdf.bodies import link_places, placement, tensor_of
 from ospace.urdf.description import Colour, Description, Inertial, Link, Shape

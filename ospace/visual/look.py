@@ -8,7 +8,7 @@ import numpy as np
 from meshcat import geometry as g
 
 from ospace.exceptions import OspaceError
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.visual.solids import homogeneous, material
 from ospace.visual.stage import Stage
 

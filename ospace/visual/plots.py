@@ -21,7 +21,7 @@ from lxml import etree
 from ospace.exceptions import printable
 from ospace.extras import require as require_extra
 from ospace.files import replacing
-from ospace.kernels.tables import Floats, Ints
+from ospace.kernels.tree import Floats, Ints
 from ospace.scenario.result import PhaseResult
 from ospace.scenario.series import Series
 

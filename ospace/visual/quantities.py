@@ -25,7 +25,7 @@ from ospace.dynamics.generalized_jacobian import generalized_jacobian
 from ospace.dynamics.joint_space import momentum
 from ospace.dynamics.operational_space import operational_space
 from ospace.exceptions import OspaceError
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.points import OperationalPoint
 from ospace.robot import SpaceRobot
 from ospace.state import State

@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from ospace.exceptions import OspaceError
 from ospace.files import replacing
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.points import OperationalPoint
 from ospace.robot import SpaceRobot
 from ospace.scenario import Run, Scenario, log, series, words

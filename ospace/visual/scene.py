@@ -16,8 +16,8 @@ from meshcat.animation import Animation
 from ospace.checks import real_numbers
 from ospace.exceptions import OspaceError, closest
 from ospace.files import replacing
-from ospace.kernels.tables import Floats
-from ospace.points import OperationalPoint, point_set
+from ospace.kernels.tree import Floats
+from ospace.points import OperationalPoint, points_of
 from ospace.robot import SpaceRobot
 from ospace.simulation.moving_frame import MovingFrame
 from ospace.state import State, checked_state
@@ -136,7 +136,7 @@ class Scene:
         if points is None:
             points = _default_points(robot)
         elif points:
-            point_set(robot, points)
+            points_of(robot, points)
         self.robot = robot
         self.stage = Stage()
         self.frame = MovingFrame(np.zeros(3), np.zeros(3))

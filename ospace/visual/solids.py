@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from meshcat import geometry as g
 
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 from ospace.urdf.bodies import placement
 from ospace.urdf.description import Colour, Shape
 

@@ -11,7 +11,7 @@ from meshcat.animation import Animation
 from meshcat.commands import SetAnimation, SetObject, SetProperty, SetTransform
 from meshcat.path import Path
 
-from ospace.kernels.tables import Floats
+from ospace.kernels.tree import Floats
 
 
 def component(name: str) -> str:

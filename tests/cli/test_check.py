@@ -794,7 +794,9 @@ def broken(monkeypatch, function, name, change):
 
     def dishonest(*given, **options):
         result = honest(*given, **options)
-        return dataclasses.replace(result, **{name: change(getattr(result, name))})
+        result = dataclasses.replace(result)
+        vars(result)[name] = change(getattr(result, name))
+        return result
 
     monkeypatch.setattr(sample, function, dishonest)
 
@@ -809,7 +811,8 @@ def test_the_cases_are_all_that_is_computed():
     not_compared = {"rank", "generalized_jacobian"}  # the latter twice: it is the one of `generalized_jacobian`
     for function, names in FIELDS.items():
         result = getattr(sample, getattr(sample, function).__annotations__["return"])
-        assert {field.name for field in dataclasses.fields(result)} - names.keys() <= not_compared, function
+        public = {field.name for field in dataclasses.fields(result) if not field.name.startswith("_")}
+        assert public - names.keys() <= not_compared, function
 
 
 @pytest.mark.parametrize("size", [1e-6, -1e-6])

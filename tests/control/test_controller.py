@@ -6,7 +6,6 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import qpsolvers
-import trees
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -860,7 +859,6 @@ def wrong(robot, hand):
             np.nan, robot.configuration(), np.zeros(24)
         ),
         "base torque": lambda: Base(torque="much"),
-        "one degree": lambda: Controller(trees.tree(3, 14), [DampingTask(name="rest")]),
     }
 
 

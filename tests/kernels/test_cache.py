@@ -5,25 +5,26 @@ from pathlib import Path
 
 import pytest
 
-from ospace.kernels import cache
+from ospace.kernels.jit import cache
 
 
 @pytest.fixture
 def fresh(monkeypatch, tmp_path):
     """A cache that knows nothing, over a copy of the kernels."""
     sources = tmp_path / "kernels"
-    shutil.copytree(Path(cache.__file__).parent, sources, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(cache, "__file__", str(sources / "cache.py"))
+    shutil.copytree(Path(cache.__file__).parents[1], sources, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(cache, "__file__", str(sources / "jit" / "cache.py"))
     monkeypatch.setenv("OSPACE_CACHE_DIR", str(tmp_path / "cache"))
     cache.directory.cache_clear()
     yield sources
     cache.directory.cache_clear()
 
 
-def test_an_edit_of_any_kernel_file_moves_the_folder(fresh):
+@pytest.mark.parametrize("edited", ["spatial.py", "jit/simd.py"])
+def test_an_edit_of_any_kernel_file_moves_the_folder(fresh, edited):
     before = cache.directory()
-    spatial = fresh / "spatial.py"
-    spatial.write_text(spatial.read_text() + "\n# edited\n")
+    source = fresh / edited
+    source.write_text(source.read_text() + "\n# edited\n")
     cache.directory.cache_clear()
     assert cache.directory() not in (None, before)
 

@@ -11,7 +11,6 @@ import ospace
 from ospace.dynamics import paper_sweeps
 from ospace.dynamics.dense import Dense
 from ospace.kernels import forward_chain as kernel
-from ospace.points import point_set
 
 
 @pytest.fixture
@@ -109,15 +108,6 @@ def test_relative_pivot():
     assert kernel.relative_pivot(0.0, S[:1], np.zeros((1, 6, 6))) == 0.0
 
 
-def test_a_frame_is_turned_until_its_third_axis_is_the_joints(rng):
-    axes = np.vstack([np.eye(3), -np.eye(3), rng.normal(size=(20, 3)), [[1e-9, -1e-9, -1.0]]])
-    axes /= np.linalg.norm(axes, axis=1)[:, None]
-    R = paper_sweeps.turn_z_to(axes)
-    close(R @ R.transpose(0, 2, 1), np.eye(3), 1e-15)
-    close(np.linalg.det(R), np.ones(len(R)), 1e-15)
-    np.testing.assert_array_equal(R[:, :, 2], axes)
-
-
 # -- the whole -------------------------------------------------------------------------------------------------
 
 
@@ -137,8 +127,8 @@ def points_of(robot):
 
 def test_forward_chain_against_the_dense_forms(state):
     points = points_of(state.robot)
-    dense, given = Dense(state, points), point_set(state.robot, points)
-    Gamma_inv, mu, response, pivots = paper_sweeps.forward(state, given)
+    dense = Dense(state, points)
+    Gamma_inv, mu, response, pivots = paper_sweeps.forward(state, points)
     close(Gamma_inv, dense.Gamma_e_inv, 1e-12)
     close(mu, dense.mu, 1e-12)
     close(response, dense.response, 1e-12)
@@ -148,13 +138,13 @@ def test_forward_chain_against_the_dense_forms(state):
 def test_links_in_the_papers_frames(state):
     """Chained from link to link, the transforms lead to Pinocchio's placements and joint columns about the base."""
     robot = state.robot
-    chain, _ = paper_sweeps.paper_frames(state, point_set(robot, robot.point("base")))
+    chain, _ = paper_sweeps.paper_frames(state, [robot.point("base")])
     T = np.eye(6)
     T[:3, :3] = T[3:, 3:] = state.T_WB.rotation
     to_base = [T]
     for i in range(1, len(chain.parent)):
         to_base.append(to_base[chain.parent[i]] @ chain.X[i])  # forces of link i to the base, inertial axes
-    robot.scratch.run(*state.beside_base())
+    robot.scratch.place(state.q, state.v)
     columns = robot.scratch.columns[6:]
     motions = np.array([np.linalg.solve(X.T, S) for X, S in zip(to_base[1:], chain.S[1:], strict=True)])
     close(motions, columns, 1e-12)
@@ -165,7 +155,7 @@ def test_links_in_the_papers_frames(state):
 def test_passing_inward_collects_the_composite_inertia_as_well(state):
     """At the base it is H_b; each joint moves what is composed beyond it."""
     base = state.robot.point("base")
-    chain, _ = paper_sweeps.paper_frames(state, point_set(state.robot, base))
+    chain, _ = paper_sweeps.paper_frames(state, [base])
     body = kernel.links_alone(chain)
     for i in range(len(chain.parent) - 1, 0, -1):
         kernel.pass_inward(chain, body, i)
@@ -176,11 +166,11 @@ def test_passing_inward_collects_the_composite_inertia_as_well(state):
 
 def test_one_column_joints_turn_about_the_third_axis_exactly(state):
     robot = state.robot
-    chain, _ = paper_sweeps.paper_frames(state, point_set(robot, robot.point("base")))
+    chain, _ = paper_sweeps.paper_frames(state, [robot.point("base")])
     for j in range(2, robot.model.njoints):
         kind = robot.model.joints[j].shortname()
         if robot.model.nvs[j] == 1 and "Composite" not in kind:
-            S = chain.S[robot.link_of_joint[j]]
+            S = chain.S[robot.layout.link_of_joint[j]]
             assert np.count_nonzero(S) == (2 if "JointModelH" in kind else 1)
             assert 1.0 in S[[2, 5]]
 

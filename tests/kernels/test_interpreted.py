@@ -9,7 +9,7 @@ import pytest
 
 PROGRAM = """
 import numpy as np, ospace, trees
-import ospace.kernels.simd
+import ospace.kernels.jit.simd
 robot = trees.tree(5, 16)
 state = trees.state(robot, 5)
 points = [robot.point("base"), robot.point("link_15"), robot.point("link_7", "angular")]
@@ -24,7 +24,7 @@ ends = [plain.point("base", "linear"), plain.point("link_8"), plain.point("link_
 run = ospace.OperationalSpaceEvaluator(plain, ends).update(moving.q, moving.v)
 width = {width}
 if width:
-    ospace.kernels.simd.widest = lambda: width
+    ospace.kernels.jit.simd.widest = lambda: width
 batch = run if not width else ospace.operational_space_batch(
     plain, ends, [moving.q] * 3, [moving.v] * 3, ("inertia", "bias_force", "generalized_jacobian", "momentum"),
     threads=1,

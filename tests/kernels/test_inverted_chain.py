@@ -12,7 +12,6 @@ import ospace
 from ospace.dynamics import paper_sweeps
 from ospace.dynamics.dense import Dense
 from ospace.kernels import forward_chain, inverted_chain
-from ospace.points import point_set
 
 
 @pytest.fixture(params=[*trees.JOINT_TYPES, "mixed"])
@@ -30,7 +29,7 @@ def every_link(robot):
 def test_inverted_chain_against_the_dense_forms(state):
     for point in every_link(state.robot):
         dense = Dense(state, [point])
-        Gamma, mu_e, Gamma_inv, mu, pivots = paper_sweeps.inverted(state, point_set(state.robot, point))
+        Gamma, mu_e, Gamma_inv, mu, pivots = paper_sweeps.inverted(state, [point])
         close(Gamma, dense.Gamma_e, 1e-12)
         close(mu_e, dense.Gamma_e @ dense.mu, 1e-11)
         close(Gamma_inv, dense.Gamma_e_inv, 1e-12)
@@ -41,7 +40,7 @@ def test_inverted_chain_against_the_dense_forms(state):
 def test_one_step_outward_is_the_printed_one(state):
     """(33) and (35), with the factor that (35) lacks, for the first link behind the base."""
     robot = state.robot
-    chain, _ = paper_sweeps.paper_frames(state, point_set(robot, robot.point("base")))
+    chain, _ = paper_sweeps.paper_frames(state, [robot.point("base")])
     body = forward_chain.links_alone(chain)
     inverted_chain.pass_outward(chain, body, 1)
     X, S, p = np.linalg.inv(chain.X[1]), chain.S[1], forward_chain.initial_bias_forces(chain)
@@ -57,9 +56,9 @@ def test_one_step_outward_is_the_printed_one(state):
 
 def test_path():
     robot = trees.tree(17, 16)
-    chain, _ = paper_sweeps.paper_frames(trees.state(robot, 1), point_set(robot, robot.point("base")))
+    chain, _ = paper_sweeps.paper_frames(trees.state(robot, 1), [robot.point("base")])
     for i in range(len(chain.parent)):
-        assert inverted_chain.path_to(chain, i) == robot.path_to(i)
+        assert inverted_chain.path_to(chain, i) == robot.layout.path_to(i)
 
 
 @pytest.mark.parametrize(

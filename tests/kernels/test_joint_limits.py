@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ospace.kernels.control import ACCELERATION, POSITION, UNLIMITED, VELOCITY, ceiling, clamp_joints
-from ospace.kernels.kinematics import CONTINUOUS, REVOLUTE
+from ospace.kernels.tree import CONTINUOUS, REVOLUTE
 
 PERIOD = 1e-2
 

@@ -4,8 +4,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from ospace.kernels.jit.compile import entry
 from ospace.kernels.kinematics import sine_cosine, sines_cosines
-from ospace.kernels.lanes import entry
 
 LIMIT = 1e5
 EPS = np.finfo(float).eps

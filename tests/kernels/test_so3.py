@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from ospace.kernels.rotations import exponential, rotation_vector
+from ospace.kernels.so3 import exponential, rotation_vector
 
 AXES = [
     *np.eye(3),

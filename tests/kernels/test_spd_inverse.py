@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ospace.kernels.simd import table
-from ospace.kernels.symmetric import Rows, inverse
+from ospace.kernels.jit.load_store import table
+from ospace.kernels.spd_inverse import Rows, inverse
 
 
 def rows_for(r, lanes):

@@ -36,4 +36,4 @@ class DampingTask(Task):
 
     def row_names(self, robot: SpaceRobot) -> list[str]:
         """Names of the rows."""
-        return [f"{self.name}.{name}" for name in robot.joint_names]
+        return [f"{self.name}.{name}" for name in robot.rate_names]

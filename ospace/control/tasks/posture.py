@@ -6,10 +6,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ospace.checks import checked_number
+import numpy as np
+import pinocchio as pin
+
+from ospace.checks import checked_numbers
+from ospace.control.base import Base
 from ospace.control.tasks.task import Task
 from ospace.exceptions import OspaceError, closest
+from ospace.joint_positions import Position, to_q
 from ospace.kernels import tasks as kernel
+from ospace.kernels.tree import Floats
 from ospace.robot import SpaceRobot
 
 
@@ -20,10 +26,11 @@ class PostureTask(Task):
     Attributes
     ----------
     posture : mapping of joint name to position, optional
-        rad, or m for prismatic joints; without it, all joints stay where they are in the first cycle.
+        rad, or m for prismatic joints, and as `SpaceRobot.configuration` takes it for any other; without it, all
+        joints stay where they are in the first cycle.
     """
 
-    posture: Mapping[str, float] | None = None
+    posture: Mapping[str, Position] | None = None
     weight: float = 1e-3
 
     kind: ClassVar[int] = kernel.POSTURE
@@ -33,17 +40,31 @@ class PostureTask(Task):
         if self.reference is not None:
             raise OspaceError(f"task '{self.name}': give the posture by joint names, not a reference")
         for joint, position in (self.posture or {}).items():
-            checked_number(position, f"task '{self.name}': the position of joint '{joint}'")
+            if not isinstance(position, pin.SE3):
+                checked_numbers(position, f"task '{self.name}': the position of joint '{joint}'")
 
-    def rows(self, robot: SpaceRobot) -> list[int]:
-        """Which joints."""
-        if self.posture is None:
-            return list(range(robot.n_joints))
-        for name in self.posture:
+    def check(self, robot: SpaceRobot, base: Base) -> None:
+        """Raise `OspaceError` where the robot has no such joint, or the joint no such position."""
+        self.write(robot, np.zeros(robot.nq))
+
+    def write(self, robot: SpaceRobot, q: Floats) -> None:
+        """Put the joints that the posture names at their positions in `q` (nq,)."""
+        for name, position in (self.posture or {}).items():
             if name not in robot.joint_names:
                 raise OspaceError(f"task '{self.name}': no joint '{name}'{closest(name, robot.joint_names)}")
-        return [j for j, name in enumerate(robot.joint_names) if name in self.posture]
+            j = 2 + robot.joint_names.index(name)
+            try:
+                numbers = to_q(robot.model.joints[j], name, position)
+            except OspaceError as error:
+                raise OspaceError(f"task '{self.name}': {error}") from None
+            q[robot.model.idx_qs[j] : robot.model.idx_qs[j] + robot.model.nqs[j]] = numbers
+
+    def rows(self, robot: SpaceRobot) -> list[int]:
+        """Which joint rates."""
+        model = robot.model
+        named = [j for j in range(2, model.njoints) if self.posture is None or model.names[j] in self.posture]
+        return [k - 6 for j in named for k in range(model.idx_vs[j], model.idx_vs[j] + model.nvs[j])]
 
     def row_names(self, robot: SpaceRobot) -> list[str]:
         """Names of the rows."""
-        return [f"{self.name}.{robot.joint_names[j]}" for j in self.rows(robot)]
+        return [f"{self.name}.{robot.rate_names[j]}" for j in self.rows(robot)]

@@ -19,8 +19,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ospace.kernels.lanes import Number, Table, inlined
-from ospace.kernels.simd import least, like, root
+from ospace.kernels.jit.compile import Number, Table, inlined
+from ospace.kernels.jit.simd import full_like, minimum, sqrt
 
 
 class Rows(NamedTuple):
@@ -44,10 +44,10 @@ def inverse(A: Table, rows: Rows, X: Table) -> Number:
     """
     scratch, wide, unit, scale = rows.scratch, rows.wide, rows.unit, rows.scale
     r, m, columns = A.shape[0], scratch.shape[0] - 2, wide.shape[1]
-    one = like(1.0, A[0, 0])
+    one = full_like(1.0, A[0, 0])
     smallest = one
     for i in range(r):
-        scale[i, 0] = 1.0 / root(A[i, i])
+        scale[i, 0] = 1.0 / sqrt(A[i, i])
     for i in range(r):
         for j in range(r):
             scratch[i, j] = A[i, j] * scale[i, 0] * scale[j, 0]
@@ -60,7 +60,7 @@ def inverse(A: Table, rows: Rows, X: Table) -> Number:
         p_inv = 1.0 / p
         p_next = scratch[k + 1, k + 1] - between * between * p_inv
         p_next_inv = 1.0 / p_next
-        smallest = least(smallest, least(p, p_next))
+        smallest = minimum(smallest, minimum(p, p_next))
         for j in range(columns):
             f = wide[k, j]
             g = wide[k + 1, j] - between * ((f - unit[k, j]) * p_inv)  # row k + 1 after step k

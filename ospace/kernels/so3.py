@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ospace.kernels.lanes import Row, inlined
+from ospace.kernels.jit.compile import Row, inlined
 from ospace.kernels.spatial import scale3
 
 _SMALL = 1e-8

@@ -1,8 +1,7 @@
 """A number that is W numbers: one state in each lane of a processor's vector register.
 
-`Lanes(W)` is a numba type held in one LLVM vector of W doubles, with arithmetic. `table` looks at plain float64 memory
-as rows of such numbers. A kernel does not notice: ``rows[i, k]`` is a number,
-whichever kind. Interpreted, the same memory is indexed by NumPy and a number is an array of W.
+`Lanes(W)` is a numba type held in one LLVM vector of W doubles, with arithmetic.
+Interpreted, such a number is an array.
 """
 
 from __future__ import annotations
@@ -17,11 +16,10 @@ import numpy as np
 from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import intrinsic, lower_builtin, models, overload, register_model
-from numba.np import arrayobj
+from numba.extending import intrinsic, lower_builtin, lower_cast, models, overload, register_model
 
 _DOUBLE = ir.DoubleType()
-_FLAGS = ("contract", "reassoc", "nsz", "arcp")
+FLAGS = ("contract", "reassoc", "nsz", "arcp")
 
 
 class Lanes(types.Type):
@@ -49,6 +47,11 @@ def _splat(builder: Any, x: Any, width: int) -> Any:
     return builder.shuffle_vector(first, nothing, ir.Constant(ir.VectorType(ir.IntType(32), width), [0] * width))
 
 
+@lower_cast(types.Float, Lanes)
+def _same_in_all_lanes(context: Any, builder: Any, given: Any, kind: Lanes, x: Any) -> Any:
+    return _splat(builder, context.cast(builder, x, given, types.float64), kind.width)
+
+
 def _both_as_lanes(context: Any, builder: Any, sig: Any, args: Any) -> list[Any]:
     width = sig.return_type.width
     return [
@@ -70,7 +73,7 @@ def _binary(key: Callable[..., Any], method: str) -> None:
     infer_global(key)(Typing)
 
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return getattr(builder, method)(*_both_as_lanes(context, builder, sig, args), flags=_FLAGS)
+        return getattr(builder, method)(*_both_as_lanes(context, builder, sig, args), flags=FLAGS)
 
     for kinds in ((Lanes, Lanes), (Lanes, types.Number), (types.Number, Lanes)):
         lower_builtin(key, *kinds)(lower)
@@ -141,12 +144,12 @@ def _fenced(x: Any) -> Any:
     return lambda x: _fence(x)
 
 
-def root(x: Any) -> Any:
+def sqrt(x: Any) -> Any:
     """√x."""
     return np.sqrt(x)
 
 
-def size(x: Any) -> Any:
+def absolute(x: Any) -> Any:
     """|x|."""
     return np.abs(x)
 
@@ -156,23 +159,23 @@ def floor(x: Any) -> Any:
     return np.floor(x)
 
 
-def least(x: Any, y: Any) -> Any:
+def minimum(x: Any, y: Any) -> Any:
     """The smaller of two."""
     return np.minimum(x, y)
 
 
-def largest(x: Any, y: Any) -> Any:
+def maximum(x: Any, y: Any) -> Any:
     """The larger of two."""
     return np.maximum(x, y)
 
 
-@overload(root, strict=False)
-def _root(x: Any) -> Any:
+@overload(sqrt, strict=False)
+def _overload_sqrt(x: Any) -> Any:
     return lambda x: _sqrt(x)
 
 
-@overload(size, strict=False)
-def _size(x: Any) -> Any:
+@overload(absolute, strict=False)
+def _overload_absolute(x: Any) -> Any:
     return lambda x: _fabs(x)
 
 
@@ -186,23 +189,23 @@ def _maxnum(typing: Any, x: Any, y: Any) -> Any:
     return x(x, x), lambda context, builder, sig, args: _call("maxnum", builder, args)
 
 
-@overload(largest, strict=False)
-def _largest(x: Any, y: Any) -> Any:
+@overload(maximum, strict=False)
+def _overload_maximum(x: Any, y: Any) -> Any:
     return lambda x, y: _maxnum(x, y)
 
 
-@overload(least, strict=False)
-def _least(x: Any, y: Any) -> Any:
+@overload(minimum, strict=False)
+def _overload_minimum(x: Any, y: Any) -> Any:
     return lambda x, y: _minnum(x, y)
 
 
-def like(value: float, number: Any) -> Any:
+def full_like(value: float, number: Any) -> Any:
     """`value` as the kind of number that `number` is."""
     return value
 
 
-@overload(like, strict=False)
-def _like(value: Any, number: Any) -> Any:
+@overload(full_like, strict=False)
+def _overload_full_like(value: Any, number: Any) -> Any:
     if isinstance(number, Lanes):
         return lambda value, number: _repeat(value, number)
     return lambda value, number: value
@@ -234,84 +237,6 @@ def _nothing(typing: Any, width: Any) -> Any:
         return cgutils.get_null_value(context.get_value_type(kind))
 
     return kind(width), generate
-
-
-class _Values(np.ndarray):
-    """Numbers of several lanes that are read as values, as compiled kernels read them, not as views."""
-
-    def __getitem__(self, at: Any) -> Any:
-        found = super().__getitem__(at)
-        return np.array(found) if isinstance(at, tuple) else found
-
-    def __setitem__(self, at: Any, value: Any) -> None:
-        self.view(np.ndarray)[at] = value  # NumPy would go through __getitem__
-
-
-def table(memory: Any, start: int, rows: int, columns: int, number: Any) -> Any:
-    """Look at a stretch of flat memory, from `start` on, as a table of numbers such as `number`."""
-    lanes = np.shape(number)
-    end = start + rows * columns * (lanes[0] if lanes else 1)
-    return memory[start:end].reshape((rows, columns, *lanes)).view(_Values if lanes else np.ndarray)
-
-
-@overload(table, strict=False)
-def _table(memory: Any, start: Any, rows: Any, columns: Any, number: Any) -> Any:
-    return lambda memory, start, rows, columns, number: _view(memory, start, rows, columns, number)
-
-
-@intrinsic
-def _view(typing: Any, memory: Any, start: Any, rows: Any, columns: Any, number: Any) -> Any:
-    # not aligned: NumPy promises 16 bytes, a vector of eight wants 64
-    seen = types.Array(number, 2, "C", aligned=False)
-    bytes_each = 8 * getattr(number, "width", 1)
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        flat, first, n_rows, n_columns, _ = args
-        source = context.make_array(memory)(context, builder, flat)
-        result = context.make_array(seen)(context, builder)
-        data = builder.bitcast(builder.gep(source.data, [first]), result.data.type)
-        itemsize = context.get_constant(types.intp, bytes_each)
-        strides = [builder.mul(n_columns, itemsize), itemsize]
-        # no owner: the memory outlives the call, and counting references takes longer than the arithmetic
-        arrayobj.populate_array(result, data, [n_rows, n_columns], strides, itemsize, None, None)
-        return result._getvalue()
-
-    return seen(memory, types.intp, types.intp, types.intp, number), generate
-
-
-def part(whole: Any, start: int, length: int) -> Any:
-    """Look at a stretch of a flat array of whole numbers."""
-    return whole[start : start + length]
-
-
-def whole_numbers(memory: Any, start: int, length: int) -> Any:
-    """Look at a stretch of flat memory as whole numbers."""
-    return memory[start : start + length].view(np.int64)
-
-
-@overload(part, strict=False)
-def _part(whole: Any, start: Any, length: Any) -> Any:
-    return lambda whole, start, length: _stretch(whole, start, length)
-
-
-@overload(whole_numbers, strict=False)
-def _whole_numbers(memory: Any, start: Any, length: Any) -> Any:
-    return lambda memory, start, length: _stretch(memory, start, length)
-
-
-@intrinsic
-def _stretch(typing: Any, whole: Any, start: Any, length: Any) -> Any:
-    seen = types.Array(types.int64, 1, "C")
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        source = context.make_array(whole)(context, builder, args[0])
-        result = context.make_array(seen)(context, builder)
-        itemsize = context.get_constant(types.intp, 8)
-        data = builder.bitcast(builder.gep(source.data, [args[1]]), result.data.type)
-        arrayobj.populate_array(result, data, [args[2]], [itemsize], itemsize, None, None)
-        return result._getvalue()
-
-    return seen(whole, types.intp, types.intp), generate
 
 
 @cache

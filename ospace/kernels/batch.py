@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ospace.kernels.evaluation import run, verdict
-from ospace.kernels.lanes import Number, entry_for_threads, inlined
-from ospace.kernels.memory import UNIT, Wide, open_index, open_robot, open_table, open_work, place_of
-from ospace.kernels.simd import zeros
-from ospace.kernels.tables import Floats, Ints
+from ospace.kernels.evaluation import composite_bodies, operational_space, place, status
+from ospace.kernels.jit.compile import Number, entry_for_threads, inlined
+from ospace.kernels.jit.simd import zeros
+from ospace.kernels.tree import Floats, Ints
+from ospace.kernels.workspace import UNIT, Wide, open_index, open_robot, open_table, open_work, place_of
 
-_Q, _VELOCITY, _HEALTH = place_of("q"), place_of("velocity"), place_of("health")
+_Q, _VELOCITY, _DIAGNOSTICS = place_of("q"), place_of("velocity"), place_of("diagnostics")
 _INERTIA_INVERSE, _INERTIA = place_of("inertia_inverse"), place_of("inertia")
 _BIAS_ACCELERATION, _BIAS_FORCE = place_of("bias_acceleration"), place_of("bias_force")
 _GENERALIZED_JACOBIAN, _GENERALIZED_INERTIA = place_of("generalized_jacobian"), place_of("generalized_inertia")
@@ -67,11 +67,13 @@ def evaluate_lanes(Q: Floats, V: Floats, memory: Floats, number: Number, lanes: 
     """Evaluate all states of `Q` and `V`, `lanes` at a time."""
     robot, w, at = open_robot(memory), open_work(memory, number), open_index(memory)
     wide = Wide(w.q, w.sine, w.cosine, w.scratch, open_table(memory, at, UNIT, 0.0))
-    health = at[3 * _HEALTH]
+    diagnostics = at[3 * _DIAGNOSTICS]
     for first in range(0, Q.shape[0], lanes):
         gather(Q, first, memory, at[3 * _Q], lanes)
         gather(V, first, memory, at[3 * _VELOCITY], lanes)
-        run(robot, w, wide)
+        place(robot, w, wide)
+        operational_space(robot, w, wide)
+        composite_bodies(robot, w)
         scatter(memory, at, _INERTIA_INVERSE, lanes, out.inertia_inverse, first)
         scatter_packed(memory, at, _INERTIA_INVERSE, lanes, out.inertia_inverse_packed, first)
         scatter(memory, at, _INERTIA, lanes, out.inertia, first)
@@ -81,13 +83,10 @@ def evaluate_lanes(Q: Floats, V: Floats, memory: Floats, number: Number, lanes: 
         scatter(memory, at, _GENERALIZED_INERTIA, lanes, out.generalized_inertia, first)
         scatter(memory, at, _MOMENTUM, lanes, out.momentum, first)
         for lane in range(min(lanes, Q.shape[0] - first)):
-            out.status[first + lane] = verdict(
-                memory[health + lane],
-                memory[health + lanes + lane],
-                memory[health + 2 * lanes + lane],
-                memory[health + 3 * lanes + lane],
-                memory[health + 4 * lanes + lane],
-                memory[health + 5 * lanes + lane],
+            d = diagnostics + lane
+            out.status[first + lane] = status(
+                (memory[d], memory[d + lanes], memory[d + 2 * lanes], memory[d + 3 * lanes])
+                + (memory[d + 4 * lanes], memory[d + 5 * lanes], memory[d + 6 * lanes])
             )
 
 

@@ -37,8 +37,9 @@ def directory() -> Path | None:
     """
     versions = (platform.python_version(), numba.__version__, llvmlite.__version__, numpy.__version__)
     key = hashlib.sha256(" ".join(versions).encode())
-    for source in sorted(Path(__file__).parent.glob("*.py")):
-        key.update(source.name.encode())
+    kernels = Path(__file__).parents[1]
+    for source in sorted(kernels.rglob("*.py")):
+        key.update(source.relative_to(kernels).as_posix().encode())
         key.update(source.read_bytes())
     try:
         folder = _root() / f"kernels-{key.hexdigest()[:16]}"

@@ -1,0 +1,1 @@
+"""The robot, its states and its points: objects with meaning, whose input is checked here."""

@@ -1,0 +1,198 @@
+"""A Pinocchio model laid out for the recursions: links of one column each, in axes of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from ospace.joint_axis import joint_axis
+from ospace.kernels.tree import (
+    COLUMNS,
+    CONTINUOUS,
+    FLOATING,
+    HELICAL,
+    PLANAR,
+    PRISMATIC,
+    REVOLUTE,
+    SAME_JOINT,
+    SPHERICAL,
+    UNKNOWN,
+    Floats,
+    Ints,
+    Joints,
+    Nodes,
+)
+from ospace.kernels.workspace import Robot
+
+BASE_NV, BASE_NQ = 6, 7
+
+_ONE_COLUMN = (
+    dict.fromkeys(("RX", "RY", "RZ", "RevoluteUnaligned"), REVOLUTE)
+    | dict.fromkeys(("RUBX", "RUBY", "RUBZ", "RevoluteUnboundedUnaligned"), CONTINUOUS)
+    | dict.fromkeys(("PX", "PY", "PZ", "PrismaticUnaligned"), PRISMATIC)
+    | dict.fromkeys(("HX", "HY", "HZ", "HelicalUnaligned"), HELICAL)
+)
+_ALONG_LINK_AXES = {"Spherical": SPHERICAL, "Planar": PLANAR, "FreeFlyer": FLOATING}
+_X, _Y, _Z = np.eye(3)
+
+
+class _Step(NamedTuple):
+    """An elementary joint of a Pinocchio joint."""
+
+    kind: int
+    axis: Floats
+    first: int
+    """Where its part of q begins."""
+    pitch: float = 0.0
+    placement: pin.SE3 = pin.SE3.Identity()
+    """Its frame in that of the step before; of the first one, in the joint's placement."""
+
+
+class Layout:
+    """What the recursions know of a robot.
+
+    Attributes
+    ----------
+    joints : Joints
+    own_kinematics : bool
+        Whether the kernels can place the links themselves; Pinocchio does where they cannot.
+    link_of_joint : (njoints,) int array
+        Link that carries the body of each Pinocchio joint; −1 for the universe, 0 for the base.
+    axes : sequence of (3, 3) arrays
+        The axes of that link in the joint's frame.
+    """
+
+    def __init__(self, model: pin.Model) -> None:
+        self.nq, self.nv = int(model.nq), int(model.nv)
+        rows = self.nv - BASE_NV + 1
+        self.link_of_joint: Ints = np.array(
+            [-1] + [model.idx_vs[j] + model.nvs[j] - BASE_NV for j in range(1, model.njoints)]
+        )
+        self.axes: list[Floats] = [np.eye(3), np.eye(3)]
+        parent, kind, first, body, turning = np.zeros((5, rows), dtype=np.int64)
+        A, b, axes = np.zeros((rows, 9)), np.zeros((rows, 3)), np.zeros((rows, 9))
+        com, inertia, mass, pitch = (np.zeros((rows, k)) for k in (3, 6, 1, 1))
+        A[0] = axes[0] = np.eye(3).ravel()
+        body[0] = 1
+        for j in range(2, model.njoints):
+            h, i = int(self.link_of_joint[model.parents[j]]), int(model.idx_vs[j]) - BASE_NV + 1
+            turn, before = self.axes[model.parents[j]], model.jointPlacements[j]
+            own = slice(i, i + model.nvs[j])
+            for step in _steps(model.joints[j]):
+                placement, z_axis = before * step.placement, turn_z_to(step.axis)
+                A[i], b[i] = (turn.T @ placement.rotation @ z_axis).ravel(order="F"), turn.T @ placement.translation
+                first[i], pitch[i] = step.first, step.pitch
+                turn, before = z_axis, pin.SE3.Identity()
+                for k in range(COLUMNS[step.kind]):
+                    parent[i], kind[i] = h, step.kind if k == 0 else SAME_JOINT
+                    h, i = i, i + 1
+            body[own], axes[own] = j, turn.ravel(order="F")
+            turning[own] = model.nvs[j] == 1 and kind[i - 1] in (REVOLUTE, CONTINUOUS)
+            self.axes.append(turn)
+        for j in range(1, model.njoints):
+            i, turn = int(self.link_of_joint[j]), self.axes[j]
+            mass[i], com[i] = model.inertias[j].mass, turn.T @ model.inertias[j].lever
+            inertia[i] = (turn.T @ model.inertias[j].inertia @ turn)[np.tril_indices(3)]
+        armature = np.r_[0.0, model.armature[BASE_NV:]][:, None]
+        self.joints = Joints(parent, kind, first, body, turning, A, b, com, inertia, mass, armature, pitch, axes)
+        self.own_kinematics = UNKNOWN not in kind
+
+    def path_to(self, i: int) -> list[int]:
+        """Return the links from the base, not included, out to link `i`."""
+        path = []
+        while i > 0:
+            path.append(i)
+            i = int(self.joints.parent[i])
+        return path[::-1]
+
+    def with_points(self, joints: Sequence[int], positions: Sequence[Floats], rows: Ints) -> Robot:
+        """Lay out points for `ospace.kernels.workspace`.
+
+        Parameters
+        ----------
+        joints : sequence of int
+            Pinocchio joint that carries each point.
+        positions : sequence of (3,) arrays
+            Each point in that joint's frame, m.
+        rows : (r,)
+            Rows taken, out of six for each point.
+        """
+        return Robot(self.joints, self._nodes(joints, positions), rows, np.zeros(1, dtype=np.int64))
+
+    def _nodes(self, joints: Sequence[int], positions: Sequence[Floats]) -> Nodes:
+        """Find the junctions, and number base, junctions and points from the base outward."""
+        links = [int(self.link_of_joint[j]) for j in joints]
+        parent = self.joints.parent
+        rows = len(parent)
+        ways = np.zeros(rows, dtype=np.int64)  # ways to points that meet in a link: its own points, and its branches
+        reached = np.zeros(rows, dtype=bool)
+        for link in links:
+            ways[link] += 1
+            while link > 0 and not reached[link]:
+                reached[link] = True
+                ways[parent[link]] += 1
+                link = int(parent[link])
+        junctions = [(i, -1) for i in range(1, rows) if ways[i] >= 2]
+        ordered = sorted([*junctions, *((link, e) for e, link in enumerate(links))])
+
+        node_at, of_link = {0: 0}, np.zeros(rows, dtype=np.int64)
+        up, link_of, point = [0], [0], [-1]
+        offset = [np.zeros(3)]
+        for link, e in ordered:
+            own = node_at.get(link)
+            i = link
+            while own is None and i not in node_at:
+                of_link[i] = len(up)
+                i = int(parent[i])
+            up.append(node_at[i] if own is None else own)
+            link_of.append(link)
+            point.append(e)
+            offset.append(np.zeros(3) if e < 0 else self.axes[joints[e]].T @ positions[e])
+            if e < 0:
+                node_at[link] = len(up) - 1
+        last = [len(up) if e >= 0 else 0 for e in point]
+        for n, h in enumerate(up):
+            last[h] = max(last[h], n)
+        return Nodes(np.array(up), np.array(link_of), np.array(point), np.array(last), of_link, np.array(offset))
+
+
+def _steps(joint: pin.JointModel) -> Iterator[_Step]:
+    """Take a joint apart into elementary ones, whose frames follow each other."""
+    name, q = joint.shortname().removeprefix("JointModel"), int(joint.idx_q)
+    if name in _ONE_COLUMN:
+        kind = _ONE_COLUMN[name]
+        yield _Step(kind, joint_axis(joint), q, float(_extracted(joint).pitch) if kind == HELICAL else 0.0)
+    elif name in _ALONG_LINK_AXES:
+        yield _Step(_ALONG_LINK_AXES[name], _Z, q)
+    elif name == "Translation":
+        yield from (_Step(PRISMATIC, axis, q + k) for k, axis in enumerate((_X, _Y, _Z)))
+    elif name == "SphericalZYX":
+        yield from (_Step(REVOLUTE, axis, q + k) for k, axis in enumerate((_Z, _Y, _X)))
+    elif name == "Universal":
+        axes = np.asarray(_extracted(joint).axis1), np.asarray(_extracted(joint).axis2)
+        yield from (_Step(REVOLUTE, axis, q + k) for k, axis in enumerate(axes))
+    elif name == "Composite":
+        composite = _extracted(joint)
+        for one, placement in zip(composite.joints, composite.jointPlacements, strict=True):
+            first, *others = _steps(one)
+            yield first._replace(placement=placement * first.placement)
+            yield from others
+    else:
+        yield from (_Step(UNKNOWN, _Z, q) for _ in range(joint.nv))
+
+
+def _extracted(joint: pin.JointModel) -> pin.JointModel:
+    """Return the joint as its own type, which has the attributes of that type."""
+    return joint.extract() if hasattr(joint, "extract") else joint
+
+
+def turn_z_to(axis: Floats) -> Floats:
+    """Return a rotation whose third column is along `axis`; the unit matrix for z."""
+    axis = axis / np.linalg.norm(axis)
+    x = np.eye(3)[np.argmin(np.abs(axis))]
+    x = x - (x @ axis) * axis
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(axis, x), axis])
