@@ -36,19 +36,19 @@ if TYPE_CHECKING:
     from ospace.exceptions import SingularInertiaError as SingularInertiaError
     from ospace.exceptions import UnsoundModelError as UnsoundModelError
     from ospace.exceptions import UrdfError as UrdfError
-    from ospace.points import OperationalPoint as OperationalPoint
-    from ospace.robot import SpaceRobot as SpaceRobot
+    from ospace.model.points import OperationalPoint as OperationalPoint
+    from ospace.model.robot import SpaceRobot as SpaceRobot
+    from ospace.model.state import State as State
     from ospace.simulation.simulate import simulate as simulate
-    from ospace.state import State as State
     from ospace.urdf.source import Limits as Limits
 
 __version__ = "0.1.0"
 
 _HOME = {
-    "SpaceRobot": "robot",
-    "State": "state",
+    "SpaceRobot": "model.robot",
+    "State": "model.state",
     "Limits": "urdf.source",
-    "OperationalPoint": "points",
+    "OperationalPoint": "model.points",
     "momentum": "dynamics.joint_space",
     "joint_space_dynamics": "dynamics.joint_space",
     "generalized_dynamics": "dynamics.joint_space",

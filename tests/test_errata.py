@@ -187,7 +187,7 @@ class Paper:
 
 def last_link(state):
     """Number of the link with the longest path, and its point."""
-    lengths = [len(state.robot.layout.path_to(i)) for i in range(state.robot.n_joints + 1)]
+    lengths = [len(state.robot.path_to(i)) for i in range(state.robot.n_joints + 1)]
     e = int(np.argmax(lengths))
     return e, state.robot.point(f"link_{e - 1}")
 
@@ -371,7 +371,7 @@ def test_43_sign_of_the_base_acceleration(branched):
 
 
 def test_43_takes_the_articulated_bias_force(branched):
-    e = branched.robot.layout.path_to(last_link(branched)[0])[-2]  # at a link without children p and p^A are one
+    e = branched.robot.path_to(last_link(branched)[0])[-2]  # at a link without children p and p^A are one
     point = branched.robot.point(f"link_{e - 1}")
     paper = Paper(branched)
     reference = -ospace.operational_space(branched, point, "dense").bias_acceleration

@@ -259,7 +259,7 @@ def test_every_number_of_a_model_goes_along(copy_of):
     assert (again.name, again.joint_names) == (robot.name, robot.joint_names)
     for name in kinds:
         assert bits(getattr(again.model, name)) == bits(getattr(robot.model, name)), name
-    assert bits(again.layout.joints.armature) == bits(robot.layout.joints.armature)
+    assert bits(again.links.armature) == bits(robot.links.armature)
 
 
 def test_scratch_memory_stays_behind(chaser):

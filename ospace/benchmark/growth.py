@@ -11,7 +11,7 @@ import pinocchio as pin
 from ospace.benchmark.timing import Tick, Way, window_times
 from ospace.dynamics.evaluator import OperationalSpaceEvaluator
 from ospace.kernels.tree import Floats
-from ospace.robot import SpaceRobot
+from ospace.model.robot import SpaceRobot
 
 SIZES = (12, 24, 48, 96, 192, 384, 768, 1000)
 SHAPES = {"chain": 1, "tree": 2}

@@ -13,8 +13,8 @@ from ospace.benchmark.timing import Way
 from ospace.dynamics.evaluator import OperationalSpaceEvaluator
 from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
-from ospace.points import OperationalPoint
-from ospace.robot import SpaceRobot
+from ospace.model.points import OperationalPoint
+from ospace.model.robot import SpaceRobot
 
 AGREEMENT = 1e-7
 """How far results may differ, relative to the largest number: what is timed must be the same thing, no more."""

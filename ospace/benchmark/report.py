@@ -23,7 +23,7 @@ from ospace.dynamics.operational_space import operational_space
 from ospace.exceptions import OspaceError
 from ospace.kernels.jit import simd
 from ospace.kernels.tree import Floats
-from ospace.robot import SpaceRobot
+from ospace.model.robot import SpaceRobot
 from ospace.validation.sampling import random_state
 
 POINTS = (1, 2, 3, 4, 6)

@@ -61,7 +61,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     from ospace.cli import progress
     from ospace.cli.main import EXIT_USAGE, find
     from ospace.extras import require
-    from ospace.robot import SpaceRobot
+    from ospace.model.robot import SpaceRobot
 
     if given.plot:
         require("matplotlib", "a plot")

@@ -140,7 +140,7 @@ def _check(given: argparse.Namespace) -> tuple[int, str]:
 def _report(given: argparse.Namespace, file: Path, folders: Sequence[Path]) -> tuple[Report, Description]:
     """Check; return the report and what the file says, which no robot is made of where it is unsound."""
     from ospace.cli import progress
-    from ospace.robot import SpaceRobot
+    from ospace.model.robot import SpaceRobot
     from ospace.urdf import reader
     from ospace.validation import report
 

@@ -147,7 +147,7 @@ def _seldom(advance: Any) -> Any:
 
 
 def _valid(scenario: Scenario, name: str) -> str:
-    from ospace.joint_positions import excess_text
+    from ospace.model.joint_positions import excess_text
 
     phases = ", ".join(phase.name for phase in scenario.phases)
     longest = sum(phase.timeout for phase in scenario.phases)

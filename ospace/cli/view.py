@@ -12,7 +12,7 @@ from ospace.cli import output
 
 if TYPE_CHECKING:
     from ospace.kernels.tree import Floats
-    from ospace.robot import SpaceRobot
+    from ospace.model.robot import SpaceRobot
     from ospace.simulation.reaction import FloatingMotion
     from ospace.visual import Scene
 
@@ -85,8 +85,8 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     """Show; return the exit status and the text to print."""
     from ospace.cli.main import find, package_dirs
     from ospace.extras import require_scene
-    from ospace.joint_positions import excess_text
-    from ospace.robot import SpaceRobot
+    from ospace.model.joint_positions import excess_text
+    from ospace.model.robot import SpaceRobot
     from ospace.visual import browser
 
     if given.html or given.screenshot:

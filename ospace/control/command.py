@@ -9,8 +9,8 @@ from typing import Literal
 
 import numpy as np
 
-from ospace.joint_positions import with_units
 from ospace.kernels.tree import Floats, Ints
+from ospace.model.joint_positions import with_units
 
 Status = Literal["nominal", "softened", "outside limits", "degraded", "stopped"]
 _CAUSES = ("position", "velocity", "acceleration")

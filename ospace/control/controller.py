@@ -24,12 +24,12 @@ from ospace.control.tasks.base_attitude import base_point
 from ospace.dynamics.evaluator import OperationalSpaceEvaluator
 from ospace.dynamics.joint_friction import JointFriction
 from ospace.exceptions import OspaceError, closest
-from ospace.joint_positions import joint_units
 from ospace.kernels import control as kernel
 from ospace.kernels.tasks import LOOK_AT, POSTURE, REFERENCE, Actuation, Rows, Tasks
 from ospace.kernels.tree import UNKNOWN, Floats
-from ospace.points import OperationalPoint, check_owner
-from ospace.robot import SpaceRobot
+from ospace.model.joint_positions import joint_units
+from ospace.model.points import OperationalPoint, check_owner
+from ospace.model.robot import SpaceRobot
 
 _COMPONENTS = ("force x", "force y", "force z", "torque x", "torque y", "torque z")
 _ROUNDING = 1e-5
@@ -454,9 +454,8 @@ class Controller:
     def _lay_out(self) -> Tasks:
         """Lay the tasks out for the kernel; references and postures come with the first cycle."""
         robot, tasks = self.robot, self.tasks
-        layout = robot.layout
-        if not layout.own_kinematics:
-            unknown = robot.joint_of_link(int(np.flatnonzero(layout.joints.kind == UNKNOWN)[0]))
+        if not robot.own_kinematics:
+            unknown = robot.joint_of_link(int(np.flatnonzero(robot.links.kind == UNKNOWN)[0]))
             raise OspaceError(f"joint '{unknown}' is of a type that the controller does not know how to place")
         point, at = np.full((len(tasks), 2), -1, dtype=np.int64), 1
         for t, task in enumerate(tasks):
@@ -472,7 +471,7 @@ class Controller:
         nodes = self._run.layout.nodes
         node = np.array([int(np.flatnonzero(nodes.point == e)[0]) for e in range(len(self._points))])
         self._link = nodes.link[node]
-        turn = [(layout.axes[one.joint].T @ one.placement.rotation).ravel(order="F") for one in self._points]
+        turn = [(robot.link_axes[one.joint].T @ one.placement.rotation).ravel(order="F") for one in self._points]
         return Tasks(
             np.array([task.kind for task in tasks]),
             point,

@@ -14,7 +14,7 @@ from ospace.checks import checked_number, real_numbers
 from ospace.exceptions import OspaceError, closest
 from ospace.kernels.control import UNLIMITED
 from ospace.kernels.tree import Floats
-from ospace.robot import SpaceRobot
+from ospace.model.robot import SpaceRobot
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,8 +20,8 @@ from ospace.kernels import batch as kernel
 from ospace.kernels import evaluation, workspace
 from ospace.kernels.jit import simd
 from ospace.kernels.tree import Floats
-from ospace.points import OperationalPoint, points_of, rows_of
-from ospace.robot import SpaceRobot
+from ospace.model.points import OperationalPoint, points_of, rows_of
+from ospace.model.robot import SpaceRobot
 
 CHUNK = 512
 _BITS = {name: bits for name, bits in BITS.items() if name not in ("jacobian", "generalized_bias")}
@@ -241,7 +241,7 @@ class _Worker:
     def __init__(self, work: _Work) -> None:
         self.work = work
         self.memory = None
-        if work.robot.layout.own_kinematics:
+        if work.robot.own_kinematics:
             self.memory = workspace.lay_out(work.layout, work.robot.nq, work.lanes)
         self.Q, self.V = np.empty((CHUNK, work.robot.nq)), np.empty((CHUNK, work.robot.nv))
         rows = CHUNK if "smallest_singular_value" in work.results else 0

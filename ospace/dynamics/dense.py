@@ -19,8 +19,8 @@ import numpy as np
 import pinocchio as pin
 
 from ospace.kernels.tree import Floats
-from ospace.points import OperationalPoint, points_of
-from ospace.state import State
+from ospace.model.points import OperationalPoint, points_of
+from ospace.model.state import State
 
 RANK_CUTOFF = 1e-6
 """Scaled singular values of a Jacobian below this share of the largest, or of 1, count as zero."""

@@ -16,9 +16,9 @@ from ospace.kernels import evaluation
 from ospace.kernels.jit.compile import take_read_only
 from ospace.kernels.tree import Floats
 from ospace.kernels.workspace import Robot
-from ospace.points import OperationalPoint, points_of
-from ospace.robot import SpaceRobot
-from ospace.state import checked_state
+from ospace.model.points import OperationalPoint, points_of
+from ospace.model.robot import SpaceRobot
+from ospace.model.state import checked_state
 
 BITS = {
     "inertia_inverse": evaluation.MOBILITY,
@@ -130,7 +130,7 @@ class OperationalSpaceEvaluator:
         self._composes = bool(self._want & evaluation.COMPOSITE)
         points_alone = self._want & ~(evaluation.COMPOSITE | _A_STATE) == 0
         self._place: Callable[..., int] = evaluation.place_state if points_alone else evaluation.evaluate
-        if robot.layout.own_kinematics:
+        if robot.own_kinematics:
             with _FIRST_USE:
                 take_read_only(self._place, (self._still, self._still, self._memory), (0, 1))
         else:

@@ -10,8 +10,8 @@ import numpy as np
 from ospace.dynamics import workspace
 from ospace.kernels import evaluation as kernel
 from ospace.kernels.tree import Floats
-from ospace.points import OperationalPoint, points_of
-from ospace.state import State
+from ospace.model.points import OperationalPoint, points_of
+from ospace.model.state import State
 
 
 @dataclass(frozen=True)

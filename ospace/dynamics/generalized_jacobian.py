@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from ospace.dynamics import workspace
 from ospace.kernels import evaluation as kernel
 from ospace.kernels.tree import Floats
-from ospace.points import OperationalPoint
-from ospace.state import State
+from ospace.model.points import OperationalPoint
+from ospace.model.state import State
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from ospace.exceptions import OspaceError
 from ospace.kernels import joint_friction as kernel
 from ospace.kernels.joint_friction import FRICTION_VELOCITY
 from ospace.kernels.tree import Floats
-from ospace.robot import SpaceRobot
+from ospace.model.robot import SpaceRobot
 
 __all__ = ["FRICTION_VELOCITY", "JointFriction"]
 

@@ -11,7 +11,7 @@ from ospace.checks import checked_vector, not_finite
 from ospace.dynamics import workspace
 from ospace.kernels import evaluation as kernel
 from ospace.kernels.tree import Floats
-from ospace.state import State
+from ospace.model.state import State
 
 
 @dataclass(frozen=True)

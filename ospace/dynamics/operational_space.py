@@ -15,8 +15,8 @@ from ospace.dynamics.workspace import Workspace
 from ospace.exceptions import OspaceError
 from ospace.kernels import evaluation as kernel
 from ospace.kernels.tree import Floats
-from ospace.points import OperationalPoint, points_of
-from ospace.state import State
+from ospace.model.points import OperationalPoint, points_of
+from ospace.model.state import State
 
 METHODS = ("pv_osimr", "forward", "inverted", "dense")
 _ALL = kernel.MOBILITY | kernel.INERTIA | kernel.BIAS | kernel.JACOBIAN

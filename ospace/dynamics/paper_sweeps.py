@@ -10,8 +10,8 @@ import pinocchio as pin
 from ospace.kernels.forward_chain import Chain, Ends, force_transform, forward_chain
 from ospace.kernels.inverted_chain import inverted_chain
 from ospace.kernels.tree import Floats, Joints
-from ospace.points import OperationalPoint, rows_of
-from ospace.state import State
+from ospace.model.points import OperationalPoint, rows_of
+from ospace.model.state import State
 
 
 def forward(state: State, points: Sequence[OperationalPoint]) -> tuple[Floats, Floats, Floats, Floats]:
@@ -71,8 +71,8 @@ def paper_frames(state: State, points: Sequence[OperationalPoint]) -> tuple[Chai
     """
     robot, model, scratch = state.robot, state.robot.model, state.robot.scratch
     scratch.place(state.q, state.v)
-    data, links, base, joints = scratch.data, robot.layout.joints, 1, range(2, model.njoints)
-    n, last = len(links.parent) - 1, robot.layout.link_of_joint
+    data, links, base, joints = scratch.data, robot.links, 1, range(2, model.njoints)
+    n, last = len(links.parent) - 1, robot.link_of_joint
     first, parents = [model.idx_vs[j] - 5 for j in joints], [model.parents[j] for j in joints]
 
     S, v, c, moved = np.zeros((4, n + 1, 6))
@@ -84,7 +84,7 @@ def paper_frames(state: State, points: Sequence[OperationalPoint]) -> tuple[Chai
         v[i], moved[i], c[i] = _turning(data.v[j]), seen.vector, (seen.cross(joint.v) + joint.c).vector
     c[:, :3] += np.cross(v[:, 3:], moved[:, :3])
 
-    A = np.array(robot.layout.axes)  # axes of the links, in Pinocchio's
+    A = np.array(robot.link_axes)  # axes of the links, in Pinocchio's
     A_T = A.transpose(0, 2, 1)
     S, v, c = (_rotate(A_T[links.body], motion) for motion in (S, v, c))
     single = [last[j] for j in joints if model.nvs[j] == 1]

@@ -19,9 +19,9 @@ from ospace.kernels import evaluation as kernel
 from ospace.kernels import workspace
 from ospace.kernels.articulated_body import NO_INERTIA
 from ospace.kernels.tree import Floats, Ints
-from ospace.points import OperationalPoint, points_of, rows_of
-from ospace.robot import SpaceRobot
-from ospace.state import State
+from ospace.model.layout import Layout
+from ospace.model.points import OperationalPoint, points_of, rows_of
+from ospace.model.state import State
 
 _KEPT = 16
 """Workspaces of a robot on a thread, of the points used last."""
@@ -41,7 +41,7 @@ class Workspace:
     dependent : rows that depend on each other there
     """
 
-    def __init__(self, robot: SpaceRobot, points: Sequence[OperationalPoint]) -> None:
+    def __init__(self, robot: Layout, points: Sequence[OperationalPoint]) -> None:
         self.robot, self.points = robot, tuple(points)
         self.layout = layout_of(robot, points)
         self.rows: Ints = self.layout.rows
@@ -135,10 +135,10 @@ class Workspace:
             raise DependentRowsError(self.rank, len(self.rows), dict.fromkeys(names))
 
 
-def layout_of(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> workspace.Robot:
+def layout_of(robot: Layout, points: Sequence[OperationalPoint]) -> workspace.Robot:
     """Lay out a robot and points on it for the kernels."""
     joints, positions = [point.joint for point in points], [point.placement.translation for point in points]
-    return robot.layout.with_points(joints, positions, rows_of(points))
+    return robot.with_points(joints, positions, rows_of(points))
 
 
 _NO_POINTS: tuple[OperationalPoint, ...] = ()

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
-from ospace.joint_axis import joint_axis
 from ospace.kernels.tree import (
     COLUMNS,
     CONTINUOUS,
@@ -25,7 +26,9 @@ from ospace.kernels.tree import (
     Joints,
     Nodes,
 )
-from ospace.kernels.workspace import Robot
+from ospace.kernels.workspace import Robot, lay_out
+from ospace.model.pinocchio_pass import PinocchioPass
+from ospace.urdf.joint_axis import joint_axis
 
 BASE_NV, BASE_NQ = 6, 7
 
@@ -52,26 +55,37 @@ class _Step(NamedTuple):
 
 
 class Layout:
-    """What the recursions know of a robot.
+    """A Pinocchio model with a free-flying base, laid out for the recursions: what states and points know of a robot.
 
     Attributes
     ----------
-    joints : Joints
+    model : pin.Model
+        Pinocchio's model; joint 1 is the free-flyer, gravity is zero.
+    name : str
+    nq, nv : int
+        Lengths of q and v.
+    links : Joints
+        The links and the joints by which they hang, as kernels take them.
+    link_axes : sequence of (3, 3) arrays
+        Axes of the link that carries each Pinocchio joint's body, in the joint's frame.
+    link_of_joint : (njoints,) int array
+        That link; −1 for the universe, 0 for the base.
     own_kinematics : bool
         Whether the kernels can place the links themselves; Pinocchio does where they cannot.
-    link_of_joint : (njoints,) int array
-        Link that carries the body of each Pinocchio joint; −1 for the universe, 0 for the base.
-    axes : sequence of (3, 3) arrays
-        The axes of that link in the joint's frame.
+    local : threading.local
+        Memory of each thread to work in.
     """
 
     def __init__(self, model: pin.Model) -> None:
+        self.model = model
+        self.name: str = model.name
+        self.local = threading.local()
         self.nq, self.nv = int(model.nq), int(model.nv)
         rows = self.nv - BASE_NV + 1
         self.link_of_joint: Ints = np.array(
             [-1] + [model.idx_vs[j] + model.nvs[j] - BASE_NV for j in range(1, model.njoints)]
         )
-        self.axes: list[Floats] = [np.eye(3), np.eye(3)]
+        self.link_axes: list[Floats] = [np.eye(3), np.eye(3)]
         parent, kind, first, body, turning = np.zeros((5, rows), dtype=np.int64)
         A, b, axes = np.zeros((rows, 9)), np.zeros((rows, 3)), np.zeros((rows, 9))
         com, inertia, mass, pitch = (np.zeros((rows, k)) for k in (3, 6, 1, 1))
@@ -79,7 +93,7 @@ class Layout:
         body[0] = 1
         for j in range(2, model.njoints):
             h, i = int(self.link_of_joint[model.parents[j]]), int(model.idx_vs[j]) - BASE_NV + 1
-            turn, before = self.axes[model.parents[j]], model.jointPlacements[j]
+            turn, before = self.link_axes[model.parents[j]], model.jointPlacements[j]
             own = slice(i, i + model.nvs[j])
             for step in _steps(model.joints[j]):
                 placement, z_axis = before * step.placement, turn_z_to(step.axis)
@@ -91,21 +105,45 @@ class Layout:
                     h, i = i, i + 1
             body[own], axes[own] = j, turn.ravel(order="F")
             turning[own] = model.nvs[j] == 1 and kind[i - 1] in (REVOLUTE, CONTINUOUS)
-            self.axes.append(turn)
+            self.link_axes.append(turn)
         for j in range(1, model.njoints):
-            i, turn = int(self.link_of_joint[j]), self.axes[j]
+            i, turn = int(self.link_of_joint[j]), self.link_axes[j]
             mass[i], com[i] = model.inertias[j].mass, turn.T @ model.inertias[j].lever
             inertia[i] = (turn.T @ model.inertias[j].inertia @ turn)[np.tril_indices(3)]
         armature = np.r_[0.0, model.armature[BASE_NV:]][:, None]
-        self.joints = Joints(parent, kind, first, body, turning, A, b, com, inertia, mass, armature, pitch, axes)
+        self.links = Joints(parent, kind, first, body, turning, A, b, com, inertia, mass, armature, pitch, axes)
         self.own_kinematics = UNKNOWN not in kind
+
+    @property
+    def n_joints(self) -> int:
+        """Degrees of freedom of the joints, n = nv − 6."""
+        return self.nv - BASE_NV
+
+    @cached_property
+    def total_mass(self) -> float:
+        """Mass of all links, kg."""
+        return float(sum(inertia.mass for inertia in self.model.inertias))
+
+    @property
+    def scratch(self) -> PinocchioPass:
+        """Pinocchio's working memory of this thread: overwritten by every state that is made."""
+        local = self.local
+        if not hasattr(local, "scratch"):
+            nowhere = self.with_points((), (), np.zeros(0, dtype=np.int64))
+            local.scratch = PinocchioPass(self.model, lay_out(nowhere, self.nq))
+        scratch: PinocchioPass = local.scratch
+        return scratch
+
+    def joint_of_link(self, i: int) -> str:
+        """Return the name of the joint by which link `i` of the recursions hangs."""
+        return str(self.model.names[int(self.links.body[i])])
 
     def path_to(self, i: int) -> list[int]:
         """Return the links from the base, not included, out to link `i`."""
         path = []
         while i > 0:
             path.append(i)
-            i = int(self.joints.parent[i])
+            i = int(self.links.parent[i])
         return path[::-1]
 
     def with_points(self, joints: Sequence[int], positions: Sequence[Floats], rows: Ints) -> Robot:
@@ -120,12 +158,12 @@ class Layout:
         rows : (r,)
             Rows taken, out of six for each point.
         """
-        return Robot(self.joints, self._nodes(joints, positions), rows, np.zeros(1, dtype=np.int64))
+        return Robot(self.links, self._nodes(joints, positions), rows, np.zeros(1, dtype=np.int64))
 
     def _nodes(self, joints: Sequence[int], positions: Sequence[Floats]) -> Nodes:
         """Find the junctions, and number base, junctions and points from the base outward."""
         links = [int(self.link_of_joint[j]) for j in joints]
-        parent = self.joints.parent
+        parent = self.links.parent
         rows = len(parent)
         ways = np.zeros(rows, dtype=np.int64)  # ways to points that meet in a link: its own points, and its branches
         reached = np.zeros(rows, dtype=bool)
@@ -150,7 +188,7 @@ class Layout:
             up.append(node_at[i] if own is None else own)
             link_of.append(link)
             point.append(e)
-            offset.append(np.zeros(3) if e < 0 else self.axes[joints[e]].T @ positions[e])
+            offset.append(np.zeros(3) if e < 0 else self.link_axes[joints[e]].T @ positions[e])
             if e < 0:
                 node_at[link] = len(up) - 1
         last = [len(up) if e >= 0 else 0 for e in point]

@@ -28,8 +28,8 @@ from ospace.control import (
 )
 from ospace.control.references import Reference
 from ospace.kernels.tree import Floats
-from ospace.robot import SpaceRobot
-from ospace.state import State
+from ospace.model.robot import SpaceRobot
+from ospace.model.state import State
 
 TASKS: dict[str, type[Task]] = {
     "pose": PoseTask,

@@ -31,10 +31,10 @@ import pinocchio as pin
 
 from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
-from ospace.points import OperationalPoint
+from ospace.model.points import OperationalPoint
+from ospace.model.state import State
 from ospace.simulation import Certificate, simulate
 from ospace.simulation.plant import Plant
-from ospace.state import State
 
 _AHEAD = 1.0
 """How far the target's motion is computed at a time, s."""

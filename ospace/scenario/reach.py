@@ -18,9 +18,9 @@ import numpy as np
 import pinocchio as pin
 
 from ospace.kernels.tree import Floats
-from ospace.points import OperationalPoint
-from ospace.robot import SpaceRobot
-from ospace.state import State
+from ospace.model.points import OperationalPoint
+from ospace.model.robot import SpaceRobot
+from ospace.model.state import State
 
 _SLIDING = ("JointModelPX", "JointModelPY", "JointModelPZ", "JointModelPrismaticUnaligned")
 _TURNING = ("JointModelR", "JointModelSpherical", "JointModelUniversal")

@@ -18,10 +18,11 @@ from ospace.control import Base, Completion, Controller
 from ospace.control.base import MODES
 from ospace.control.solvers import solver_named
 from ospace.exceptions import OspaceError, ScenarioError, closest
-from ospace.joint_positions import Position
 from ospace.kernels.tree import Floats
-from ospace.points import parse_axes
-from ospace.robot import SpaceRobot
+from ospace.model.joint_positions import Position
+from ospace.model.points import parse_axes
+from ospace.model.robot import SpaceRobot
+from ospace.model.state import State
 from ospace.scenario.description import (
     TASKS,
     ControlPlan,
@@ -41,7 +42,6 @@ from ospace.scenario.description import (
 from ospace.scenario.rehearsal import Rehearsal
 from ospace.scenario.table import Problems, Table
 from ospace.simulation import grasp, rigid_body, tumbling
-from ospace.state import State
 
 _LARGEST_FILE = 1_000_000
 _MOST_STEPS = 2_000_000

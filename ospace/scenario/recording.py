@@ -12,7 +12,7 @@ import pinocchio as pin
 from ospace.control import Command, Controller, Task
 from ospace.kernels import tasks as kernel
 from ospace.kernels.tree import Floats
-from ospace.points import OperationalPoint
+from ospace.model.points import OperationalPoint
 from ospace.scenario.result import BASE, TaskErrors
 
 _AT_ONCE = 256

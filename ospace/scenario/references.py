@@ -11,7 +11,7 @@ from ospace.control import Constant, Function
 from ospace.control.references import Reference
 from ospace.kernels import tasks as kernel
 from ospace.kernels.tree import Floats
-from ospace.robot import SpaceRobot
+from ospace.model.robot import SpaceRobot
 from ospace.scenario.description import Follow, Hold, Shift, TaskPlan, ToMomentum, ToPose
 from ospace.scenario.motion import Approach, FreeMotion, Goal, point_motion, still
 

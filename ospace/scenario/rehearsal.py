@@ -11,8 +11,8 @@ import math
 import numpy as np
 
 from ospace.control import Task
-from ospace.points import OperationalPoint
-from ospace.robot import SpaceRobot
+from ospace.model.points import OperationalPoint
+from ospace.model.robot import SpaceRobot
 from ospace.scenario.description import (
     Follow,
     GraspPlan,

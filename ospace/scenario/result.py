@@ -9,9 +9,9 @@ from typing import Literal
 
 import numpy as np
 
-from ospace.joint_positions import unit_of
 from ospace.kernels.tree import Floats
-from ospace.robot import SpaceRobot
+from ospace.model.joint_positions import unit_of
+from ospace.model.robot import SpaceRobot
 from ospace.scenario.description import LimitsPlan, Scenario
 from ospace.simulation import Certificate, Conserved, Excess, Grasp, Trajectory
 

@@ -15,7 +15,8 @@ from ospace.control import Command, Controller, Function
 from ospace.control.references import Reference
 from ospace.exceptions import SimulationError
 from ospace.kernels.tree import Floats
-from ospace.robot import SpaceRobot
+from ospace.model.robot import SpaceRobot
+from ospace.model.state import State
 from ospace.scenario.description import Follow, GraspPlan, PhasePlan, Release, Scenario
 from ospace.scenario.motion import FreeMotion
 from ospace.scenario.recording import Recording
@@ -24,7 +25,6 @@ from ospace.scenario.result import Contact, Outcome, PhaseResult, Run, Segment, 
 from ospace.simulation import Certificate, Conserved, Grasp, Trajectory, grasp, simulate
 from ospace.simulation.certificate import relative
 from ospace.simulation.moving_frame import MovingFrame
-from ospace.state import State
 
 _ROUNDING = 1e-9
 _GRASP_LIMIT = 1e-9

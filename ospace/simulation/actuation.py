@@ -11,7 +11,7 @@ import numpy as np
 from ospace.checks import real_numbers
 from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
-from ospace.robot import SpaceRobot
+from ospace.model.robot import SpaceRobot
 
 
 class Command(Protocol):

@@ -18,10 +18,10 @@ import pinocchio as pin
 
 from ospace.dynamics.operational_space import operational_space
 from ospace.kernels.tree import Floats
-from ospace.points import OperationalPoint, check_owner
+from ospace.model.points import OperationalPoint, check_owner
+from ospace.model.state import State
 from ospace.simulation.joined_model import JoinedModel, join
 from ospace.simulation.moving_frame import MovingFrame
-from ospace.state import State
 
 _ALL = (True,) * 6
 

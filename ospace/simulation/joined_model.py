@@ -21,7 +21,7 @@ import pinocchio as pin
 
 from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats, Ints
-from ospace.robot import SpaceRobot
+from ospace.model.robot import SpaceRobot
 
 _PER_VELOCITY = (  # the same limits bear older names too, which come first
     "effortLimit",

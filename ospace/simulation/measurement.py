@@ -11,7 +11,7 @@ import pinocchio as pin
 from ospace.checks import real_numbers
 from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
-from ospace.robot import SpaceRobot
+from ospace.model.robot import SpaceRobot
 
 
 @dataclass(frozen=True)

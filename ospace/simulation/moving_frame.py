@@ -12,7 +12,7 @@ import numpy as np
 
 from ospace.kernels.thrust import add_velocity
 from ospace.kernels.tree import Floats
-from ospace.state import State
+from ospace.model.state import State
 
 
 @dataclass(frozen=True)

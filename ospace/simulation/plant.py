@@ -22,8 +22,8 @@ from ospace.dynamics.joint_friction import JointFriction
 from ospace.exceptions import OspaceError
 from ospace.kernels.thrust import push_base, push_point
 from ospace.kernels.tree import Floats
-from ospace.points import OperationalPoint, check_owner
-from ospace.robot import SpaceRobot
+from ospace.model.points import OperationalPoint, check_owner
+from ospace.model.robot import SpaceRobot
 from ospace.simulation.actuation import Command
 
 Wrench = npt.ArrayLike | Callable[[float], npt.ArrayLike]

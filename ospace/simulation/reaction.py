@@ -23,7 +23,7 @@ import pinocchio as pin
 from ospace.dynamics.generalized_jacobian import generalized_jacobian
 from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
-from ospace.robot import SpaceRobot
+from ospace.model.robot import SpaceRobot
 
 Joints = Callable[[float], tuple[Floats, Floats]]
 """From time, s, to how far the joints have moved (n,) since the start, and their rates (n,); rad, m."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from ospace.joint_positions import ROUNDING, BoundedCoordinates, unit_of
 from ospace.kernels.tree import Floats
-from ospace.robot import SpaceRobot
+from ospace.model.joint_positions import ROUNDING, BoundedCoordinates, unit_of
+from ospace.model.robot import SpaceRobot
 from ospace.simulation.moving_frame import MovingFrame
 from ospace.simulation.plant import Plant
 from ospace.simulation.runge_kutta import Motion

@@ -12,8 +12,8 @@ import numpy.typing as npt
 
 from ospace.checks import checked_number, checked_vector
 from ospace.exceptions import OspaceError, SimulationError
-from ospace.points import OperationalPoint
-from ospace.robot import SpaceRobot
+from ospace.model.points import OperationalPoint
+from ospace.model.robot import SpaceRobot
 from ospace.simulation.actuation import Actuation, Command, Controller, Law, as_command, law_of
 from ospace.simulation.integrators import integrator_of
 from ospace.simulation.measurement import Noise, Sensors

@@ -10,9 +10,9 @@ import pinocchio as pin
 
 from ospace.checks import checked_number, checked_vector, real_numbers
 from ospace.exceptions import OspaceError
-from ospace.joint_positions import Position
-from ospace.robot import SpaceRobot
-from ospace.state import State
+from ospace.model.joint_positions import Position
+from ospace.model.robot import SpaceRobot
+from ospace.model.state import State
 
 _ROUNDING = 1e-9
 

@@ -14,9 +14,9 @@ import pinocchio as pin
 
 from ospace.exceptions import OspaceError
 from ospace.files import arrays
-from ospace.joint_positions import in_unit
 from ospace.kernels.tree import Floats
-from ospace.robot import SpaceRobot
+from ospace.model.joint_positions import in_unit
+from ospace.model.robot import SpaceRobot
 from ospace.simulation.certificate import Certificate, certify
 
 

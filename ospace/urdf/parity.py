@@ -15,11 +15,11 @@ import numpy as np
 import pinocchio as pin
 
 from ospace.exceptions import UrdfError
-from ospace.joint_axis import joint_axis
 from ospace.kernels.tree import Floats
 from ospace.urdf.bodies import Body
 from ospace.urdf.description import Joint
 from ospace.urdf.findings import Finding, found
+from ospace.urdf.joint_axis import joint_axis
 
 _TOLERANCE = 1e-10
 """Share by which a placement or inertia may differ: rounding over a chain of 2000 fixed joints leaves 1e-12."""

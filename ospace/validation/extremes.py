@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ospace.kernels.tree import Floats
-from ospace.points import OperationalPoint
+from ospace.model.points import OperationalPoint
 from ospace.urdf.findings import Finding, found
 from ospace.validation.sample import Sample
 

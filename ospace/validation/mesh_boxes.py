@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ospace.kernels.tree import Floats
-from ospace.robot import SpaceRobot
+from ospace.model.robot import SpaceRobot
 from ospace.urdf import plausibility
 from ospace.urdf.bodies import placement
 from ospace.urdf.description import Link, Pose, Shape

@@ -13,7 +13,7 @@ import yourdfpy
 
 from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
-from ospace.robot import SpaceRobot
+from ospace.model.robot import SpaceRobot
 from ospace.urdf.build import to_xml
 from ospace.urdf.description import Description
 from ospace.validation.sampling import random_state

@@ -73,7 +73,7 @@ def quantity(name: str, equation: str, computed_by: str, checked_against: str) -
 
 @quantity("link velocities v_i", "16", "outward recursion", "pin.forwardKinematics")
 def link_velocities(s: Sample) -> Comparison:
-    v = s.state.table("v")[s.state.robot.layout.link_of_joint[1:]]
+    v = s.state.table("v")[s.state.robot.link_of_joint[1:]]
     linear = v[:, :3] + s.state.base_twist[:3]
     value = np.hstack([linear, v[:, 3:]])
     return Comparison(value, s.dense.link_velocities, natural=float(np.abs(s.dense.velocity).max()))

@@ -12,8 +12,8 @@ import pinocchio as pin
 import ospace
 from ospace.dynamics.joint_space import joint_space_dynamics
 from ospace.exceptions import OspaceError, SingularInertiaError
-from ospace.points import OperationalPoint, points_of
-from ospace.robot import SpaceRobot
+from ospace.model.points import OperationalPoint, points_of
+from ospace.model.robot import SpaceRobot
 from ospace.urdf.findings import Finding, found, gravest_first
 from ospace.validation.agreement import Agreement, AgreementTable, summary
 from ospace.validation.extremes import Extremes

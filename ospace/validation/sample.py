@@ -22,8 +22,8 @@ from ospace.dynamics.operational_space import OperationalSpace, operational_spac
 from ospace.exceptions import OspaceError
 from ospace.kernels import evaluation
 from ospace.kernels.tree import Floats
-from ospace.points import OperationalPoint
-from ospace.state import State
+from ospace.model.points import OperationalPoint
+from ospace.model.state import State
 from ospace.validation.perturbation import Factor, InversePerturbation, rank_is_decided
 
 FACTOR = 16.0

@@ -6,8 +6,8 @@ import numpy as np
 import pinocchio as pin
 
 from ospace.kernels.tree import Floats
-from ospace.robot import SpaceRobot
-from ospace.state import State
+from ospace.model.robot import SpaceRobot
+from ospace.model.state import State
 
 FAR = 7e6
 """Distance from the origin of a satellite on a low orbit, m."""

@@ -12,7 +12,7 @@ import pinocchio as pin
 from meshcat import geometry as g
 
 from ospace.kernels.tree import Floats
-from ospace.robot import SpaceRobot
+from ospace.model.robot import SpaceRobot
 from ospace.urdf.bodies import link_places, placement, tensor_of
 from ospace.urdf.description import Colour, Description, Inertial, Link, Shape
 from ospace.urdf.findings import Finding, found

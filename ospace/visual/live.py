@@ -11,10 +11,10 @@ from typing import Self
 
 import numpy as np
 
+from ospace.model.state import State
 from ospace.scenario import Run, Scenario
 from ospace.scenario.running import Moment
 from ospace.simulation.moving_frame import MovingFrame
-from ospace.state import State
 from ospace.visual import run_report
 from ospace.visual.server import LOOPBACK, Server
 

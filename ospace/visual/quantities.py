@@ -26,9 +26,9 @@ from ospace.dynamics.joint_space import momentum
 from ospace.dynamics.operational_space import operational_space
 from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
-from ospace.points import OperationalPoint
-from ospace.robot import SpaceRobot
-from ospace.state import State
+from ospace.model.points import OperationalPoint
+from ospace.model.robot import SpaceRobot
+from ospace.model.state import State
 from ospace.urdf.description import Colour
 from ospace.visual.look import arrow
 from ospace.visual.solids import Ball, homogeneous, material

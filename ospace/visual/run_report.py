@@ -13,8 +13,8 @@ import pinocchio as pin
 from ospace.exceptions import OspaceError
 from ospace.files import replacing
 from ospace.kernels.tree import Floats
-from ospace.points import OperationalPoint
-from ospace.robot import SpaceRobot
+from ospace.model.points import OperationalPoint
+from ospace.model.robot import SpaceRobot
 from ospace.scenario import Run, Scenario, log, series, words
 from ospace.visual import page, plots
 from ospace.visual.scene import Records, Scene

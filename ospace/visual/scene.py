@@ -17,10 +17,10 @@ from ospace.checks import real_numbers
 from ospace.exceptions import OspaceError, closest
 from ospace.files import replacing
 from ospace.kernels.tree import Floats
-from ospace.points import OperationalPoint, points_of
-from ospace.robot import SpaceRobot
+from ospace.model.points import OperationalPoint, points_of
+from ospace.model.robot import SpaceRobot
+from ospace.model.state import State, checked_state
 from ospace.simulation.moving_frame import MovingFrame
-from ospace.state import State, checked_state
 from ospace.urdf.findings import Finding
 from ospace.visual import between, look, page
 from ospace.visual.animation import ERROR, animation

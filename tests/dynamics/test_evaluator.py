@@ -150,7 +150,7 @@ def test_a_chain_of_a_thousand_joints_needs_no_data_of_pinocchio(monkeypatch):
     def refuse(self, *given):
         raise AssertionError("64 nv³ bytes")
 
-    monkeypatch.setattr("ospace.pinocchio_pass.PinocchioPass.__init__", refuse)
+    monkeypatch.setattr("ospace.model.pinocchio_pass.PinocchioPass.__init__", refuse)
     robot = chain(1000)
     q, rng = robot.configuration(), np.random.default_rng(0)
     q[7:] = rng.uniform(-1.0, 1.0, 1000)

@@ -170,7 +170,7 @@ def test_one_column_joints_turn_about_the_third_axis_exactly(state):
     for j in range(2, robot.model.njoints):
         kind = robot.model.joints[j].shortname()
         if robot.model.nvs[j] == 1 and "Composite" not in kind:
-            S = chain.S[robot.layout.link_of_joint[j]]
+            S = chain.S[robot.link_of_joint[j]]
             assert np.count_nonzero(S) == (2 if "JointModelH" in kind else 1)
             assert 1.0 in S[[2, 5]]
 

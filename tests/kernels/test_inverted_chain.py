@@ -58,7 +58,7 @@ def test_path():
     robot = trees.tree(17, 16)
     chain, _ = paper_sweeps.paper_frames(trees.state(robot, 1), [robot.point("base")])
     for i in range(len(chain.parent)):
-        assert inverted_chain.path_to(chain, i) == robot.layout.path_to(i)
+        assert inverted_chain.path_to(chain, i) == robot.path_to(i)
 
 
 @pytest.mark.parametrize(

@@ -32,24 +32,24 @@ def composite(rng, *joints):
 def test_own_kinematics_place_what_pinocchio_places(monkeypatch, name):
     monkeypatch.setitem(trees.JOINT_TYPES, name, NESTED[name])
     robot = trees.tree(3, 4, (name,))
-    assert robot.layout.own_kinematics
+    assert robot.own_kinematics
     for seed in range(3):
         state = trees.state(robot, seed, far=seed == 1)
         run = ospace.OperationalSpaceEvaluator(robot, robot.point("link_3"), ("generalized_bias",))
         run.update(state.q, state.v)
-        bodies = robot.layout.link_of_joint[1:]  # links between the columns of a joint may stand elsewhere
+        bodies = robot.link_of_joint[1:]  # links between the columns of a joint may stand elsewhere
         for table in LINKS:
             own, by_pinocchio = run.table(table), state.table(table)
             rows = slice(None) if table == "velocity" else bodies
             if table in ("S", "d"):
-                rows = [i for i in bodies if robot.layout.joints.turning[i]]
+                rows = [i for i in bodies if robot.links.turning[i]]
             np.testing.assert_allclose(own[rows], by_pinocchio[rows], atol=2e-13, rtol=0)
 
 
 def test_a_joint_of_one_column_turns_about_the_third_axis_of_its_link():
     robot = trees.tree(5, 12, ("revolute", "continuous about any axis", "revolute about any axis"))
     state = trees.state(robot, 5)
-    np.testing.assert_array_equal(robot.layout.joints.turning[1:], 1)
+    np.testing.assert_array_equal(robot.links.turning[1:], 1)
     np.testing.assert_allclose(state.table("S")[1:, 3:], state.table("R")[1:, 6:], atol=1e-14)
     np.testing.assert_allclose(state.table("S")[1:, :3], 0.0, atol=1e-14)
 
@@ -76,7 +76,7 @@ def ellipsoid_robot():
 
 def test_what_own_kinematics_do_not_know_pinocchio_places():
     robot = ellipsoid_robot()
-    assert UNKNOWN in robot.layout.joints.kind
+    assert UNKNOWN in robot.links.kind
     rng = np.random.default_rng(1)
     q = pin.integrate(robot.model, pin.neutral(robot.model), rng.normal(size=robot.nv))
     state, tip = robot.state(q, rng.normal(size=robot.nv)), robot.point("tip")

@@ -17,7 +17,7 @@ ROOT = Path(ospace.__file__).parents[1]
 SECONDS, BYTES = 3.0, 1_000_000_000
 PROGRAM = """
 import re, sys, time
-import ospace.robot, ospace.validation.report
+import ospace.model.robot, ospace.validation.report
 from ospace.cli.main import main
 before = time.process_time()
 status = main(["check", sys.argv[1], "--json", "--samples", "1"])

@@ -9,8 +9,8 @@ import pinocchio as pin
 
 from ospace.control.tasks.task import Task, chosen
 from ospace.kernels import tasks as kernel
-from ospace.points import Axes, OperationalPoint
-from ospace.robot import SpaceRobot
+from ospace.model.points import Axes, OperationalPoint
+from ospace.model.robot import SpaceRobot
 
 
 def base_point(robot: SpaceRobot) -> OperationalPoint:

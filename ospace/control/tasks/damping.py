@@ -9,7 +9,7 @@ from typing import ClassVar
 from ospace.control.tasks.task import Task
 from ospace.exceptions import OspaceError
 from ospace.kernels import tasks as kernel
-from ospace.robot import SpaceRobot
+from ospace.model.robot import SpaceRobot
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -12,8 +12,8 @@ from ospace.checks import real_numbers
 from ospace.control.tasks.task import Task
 from ospace.exceptions import OspaceError
 from ospace.kernels import tasks as kernel
-from ospace.points import OperationalPoint
-from ospace.robot import SpaceRobot
+from ospace.model.points import OperationalPoint
+from ospace.model.robot import SpaceRobot
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

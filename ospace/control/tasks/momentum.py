@@ -11,8 +11,8 @@ from ospace.control.references import MinimumJerk
 from ospace.control.tasks.task import Task, chosen
 from ospace.exceptions import OspaceError
 from ospace.kernels import tasks as kernel
-from ospace.points import Axes
-from ospace.robot import SpaceRobot
+from ospace.model.points import Axes
+from ospace.model.robot import SpaceRobot
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

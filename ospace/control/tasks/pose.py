@@ -7,8 +7,8 @@ from typing import ClassVar
 
 from ospace.control.tasks.task import Task, chosen
 from ospace.kernels import tasks as kernel
-from ospace.points import Axes, OperationalPoint
-from ospace.robot import SpaceRobot
+from ospace.model.points import Axes, OperationalPoint
+from ospace.model.robot import SpaceRobot
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

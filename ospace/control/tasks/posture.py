@@ -13,10 +13,10 @@ from ospace.checks import checked_numbers
 from ospace.control.base import Base
 from ospace.control.tasks.task import Task
 from ospace.exceptions import OspaceError, closest
-from ospace.joint_positions import Position, to_q
 from ospace.kernels import tasks as kernel
 from ospace.kernels.tree import Floats
-from ospace.robot import SpaceRobot
+from ospace.model.joint_positions import Position, to_q
+from ospace.model.robot import SpaceRobot
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

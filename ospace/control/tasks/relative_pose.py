@@ -10,8 +10,8 @@ import pinocchio as pin
 
 from ospace.control.tasks.task import Task, chosen
 from ospace.kernels import tasks as kernel
-from ospace.points import Axes, OperationalPoint
-from ospace.robot import SpaceRobot
+from ospace.model.points import Axes, OperationalPoint
+from ospace.model.robot import SpaceRobot
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -13,8 +13,8 @@ import pinocchio as pin
 from ospace.control.base import Base
 from ospace.control.references import Constant, Function, MinimumJerk, Reference
 from ospace.exceptions import OspaceError
-from ospace.points import ROW_NAMES, Axes, OperationalPoint, parse_axes
-from ospace.robot import SpaceRobot
+from ospace.model.points import ROW_NAMES, Axes, OperationalPoint, parse_axes
+from ospace.model.robot import SpaceRobot
 
 
 @dataclass(frozen=True)

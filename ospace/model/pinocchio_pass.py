@@ -14,7 +14,6 @@ import pinocchio as pin
 
 from ospace.kernels import evaluation, kinematics, workspace
 from ospace.kernels.tree import Floats
-from ospace.model.layout import Layout
 
 _SE3, _MOTION = 12, 6  # numbers from one body to the next
 
@@ -30,7 +29,7 @@ class PinocchioPass:
     q : (nq,) the configuration of the last pass, quaternions at unit length.
     """
 
-    def __init__(self, model: pin.Model, layout: Layout) -> None:
+    def __init__(self, model: pin.Model, memory: Floats) -> None:
         self.model = model
         self.data = model.createData()
         self._still = np.zeros(model.nv)
@@ -40,7 +39,7 @@ class PinocchioPass:
             self.placements = np.zeros((model.njoints, _SE3))
             self.accelerations = np.zeros((model.njoints, _MOTION))
             self.columns = np.zeros((model.nv, 6))
-        self._memory = memory = workspace.lay_out(layout.with_points((), (), np.zeros(0, dtype=np.int64)), layout.nq)
+        self._memory = memory
         self._links = workspace.links(memory)
         self.q, self._q_beside_base = workspace.view(memory, "q")[:, 0], workspace.view(memory, "q_beside_base")[:, 0]
         self._v_beside_base = workspace.view(memory, "v_beside_base")[:, 0]

@@ -14,10 +14,10 @@ from ospace.checks import checked_vector, not_finite
 from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
 from ospace.kernels.workspace import view_of_links
-from ospace.points import OperationalPoint, check_owner
+from ospace.model.points import OperationalPoint, check_owner
 
 if TYPE_CHECKING:
-    from ospace.robot import SpaceRobot
+    from ospace.model.robot import SpaceRobot
 
 QUATERNION_TOLERANCE = 1e-6
 """How far the length of a quaternion, or of a (cos, sin) pair, may be from one; it is then set to one."""
@@ -47,7 +47,7 @@ class State:
         v = np.zeros(robot.nv) if v is None else _copied(v, robot.nv, "v", robot.name)
         scratch = robot.scratch
         links = scratch.place(q, v)
-        if links is None or not robot.layout.own_kinematics:  # what the kernels do not know, they do not normalize
+        if links is None or not robot.own_kinematics:  # what the kernels do not know, they do not normalize
             q, v = checked_state(robot, q, v)
             links = scratch.place(q, v)
         elif scratch.norm_error > _UNIT:
@@ -95,9 +95,8 @@ class State:
             The point is another robot's.
         """
         check_owner(self.robot, point)
-        layout = self.robot.layout
-        link = int(layout.link_of_joint[point.joint])
-        R = self.table("R")[link].reshape(3, 3).T @ layout.axes[point.joint].T
+        link = int(self.robot.link_of_joint[point.joint])
+        R = self.table("R")[link].reshape(3, 3).T @ self.robot.link_axes[point.joint].T
         return pin.SE3(R, self.table("r")[link]) * point.placement
 
     def table(self, name: str) -> Floats:

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import ospace
-from ospace import joint_positions
+from ospace.model import joint_positions
 
 NQ = {"revolute": 1, "continuous": 2, "prismatic": 1, "planar": 4, "floating": 7, "fixed": 0}
 NV = {"revolute": 1, "continuous": 1, "prismatic": 1, "planar": 3, "floating": 6, "fixed": 0}

@@ -11,8 +11,8 @@ import pytest
 import trees
 
 import ospace
-from ospace import pinocchio_pass
-from ospace.state import QUATERNION_TOLERANCE
+from ospace.model import pinocchio_pass
+from ospace.model.state import QUATERNION_TOLERANCE
 
 TYPES = ("revolute about any axis", "continuous", "continuous about any axis", "prismatic", "planar", "floating")
 ORBIT = np.array([6.9e6, -1.1e6, 2.2e5])  # about 7e6 m from the origin
@@ -302,7 +302,7 @@ def test_views_that_show_wrong_numbers_are_not_taken(monkeypatch):
     """The self-test finds a layout that is shifted by one number."""
     robot, honest = trees.tree(7, 4), pinocchio_pass._view
     monkeypatch.setattr(pinocchio_pass, "_view", lambda *given: np.roll(honest(*given), 1))
-    assert not pinocchio_pass.PinocchioPass(robot.model, robot.layout).zero_copy
+    assert not robot.scratch.zero_copy
 
 
 # -- where, and how fast -----------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Ints
 
 if TYPE_CHECKING:
-    from ospace.robot import SpaceRobot
+    from ospace.model.robot import SpaceRobot
 
 Axes = str | Sequence[bool]
 ROW_NAMES = ("x", "y", "z", "rx", "ry", "rz")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import threading
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from os import PathLike
@@ -16,12 +15,11 @@ import pinocchio as pin
 
 from ospace.checks import checked_vector
 from ospace.exceptions import OspaceError, UnsoundModelError, closest
-from ospace.joint_positions import ROUNDING, BoundedCoordinates, Position, from_q, to_q
 from ospace.kernels.tree import Floats
-from ospace.model.layout import BASE_NQ, BASE_NV, Layout
-from ospace.pinocchio_pass import PinocchioPass
-from ospace.points import ROW_NAMES, Axes, OperationalPoint, parse_axes
-from ospace.state import State
+from ospace.model.joint_positions import ROUNDING, BoundedCoordinates, Position, from_q, to_q
+from ospace.model.layout import BASE_NQ, Layout
+from ospace.model.points import ROW_NAMES, Axes, OperationalPoint, parse_axes
+from ospace.model.state import State
 from ospace.urdf import inertia, reader
 from ospace.urdf.description import Description
 from ospace.urdf.findings import Finding, any_error
@@ -35,7 +33,7 @@ _RATE_AXES = {
 }
 
 
-class SpaceRobot:
+class SpaceRobot(Layout):
     """A space robot: any tree of links on a base that floats freely, without gravity.
 
     Make one with `from_urdf`, or from a Pinocchio model with `from_model`.
@@ -64,15 +62,12 @@ class SpaceRobot:
         description: Description | None = None,
         package_dirs: Iterable[Path] = (),
     ) -> None:
-        self.model = model
+        super().__init__(model)
         self.model.gravity = pin.Motion.Zero()
-        self.name: str = model.name
         self.source = source
         self.description = description
         self.package_dirs = tuple(package_dirs)
         self.findings = tuple(known)
-        self.layout = Layout(model)
-        self.local = threading.local()  # memory of each thread to work in
 
     @classmethod
     def from_urdf(
@@ -135,26 +130,6 @@ class SpaceRobot:
     # -- what it is ------------------------------------------------------------------------------------------
 
     @property
-    def nq(self) -> int:
-        """Length of `q`."""
-        return int(self.model.nq)
-
-    @property
-    def nv(self) -> int:
-        """Degrees of freedom, base included; length of `v`."""
-        return int(self.model.nv)
-
-    @property
-    def n_joints(self) -> int:
-        """Degrees of freedom of the joints, n = nv − 6."""
-        return self.nv - BASE_NV
-
-    @cached_property
-    def total_mass(self) -> float:
-        """Mass of all links, kg."""
-        return float(sum(inertia.mass for inertia in self.model.inertias))
-
-    @property
     def joint_names(self) -> list[str]:
         """Names of the joints behind the base, in Pinocchio's order."""
         return list(self.model.names)[2:]
@@ -187,19 +162,6 @@ class SpaceRobot:
         frames = self.model.frames
         has_child = {frames[k].parentFrame for k in range(1, len(frames))}
         return [frame.name for k, frame in enumerate(frames) if frame.type == pin.FrameType.BODY and k not in has_child]
-
-    def joint_of_link(self, i: int) -> str:
-        """Name of the joint by which link `i` of the recursions hangs."""
-        return str(self.model.names[int(self.layout.joints.body[i])])
-
-    @property
-    def scratch(self) -> PinocchioPass:
-        """Pinocchio's working memory of this thread: overwritten by every state that is made."""
-        local = self.local
-        if not hasattr(local, "scratch"):
-            local.scratch = PinocchioPass(self.model, self.layout)
-        scratch: PinocchioPass = local.scratch
-        return scratch
 
     # -- points and states -----------------------------------------------------------------------------------
 
