@@ -32,13 +32,13 @@ if TYPE_CHECKING:
     from ospace.exceptions import DependentRowsError as DependentRowsError
     from ospace.exceptions import OspaceError as OspaceError
     from ospace.exceptions import ScenarioError as ScenarioError
-    from ospace.exceptions import SimulationError as SimulationError
     from ospace.exceptions import SingularInertiaError as SingularInertiaError
     from ospace.exceptions import UnsoundModelError as UnsoundModelError
     from ospace.exceptions import UrdfError as UrdfError
     from ospace.model.points import OperationalPoint as OperationalPoint
     from ospace.model.robot import SpaceRobot as SpaceRobot
     from ospace.model.state import State as State
+    from ospace.simulation.errors import SimulationError as SimulationError
     from ospace.simulation.simulate import simulate as simulate
     from ospace.urdf.source import Limits as Limits
 
@@ -64,7 +64,7 @@ _HOME = {
     "UrdfError": "exceptions",
     "UnsoundModelError": "exceptions",
     "SingularInertiaError": "exceptions",
-    "SimulationError": "exceptions",
+    "SimulationError": "simulation.errors",
     "ScenarioError": "exceptions",
     "DependentRowsError": "exceptions",
 }

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ospace.simulation.trajectory import Trajectory
     from ospace.urdf.findings import Finding
 
 
@@ -69,22 +68,6 @@ class ScenarioError(OspaceError):
         self.key = self.problems[0][0] if self.problems else ""
         texts = [f"{key}: {what}" if key else what for key, what in self.problems]
         super().__init__(f"{path}:" + (f" {texts[0]}" if len(texts) == 1 else "".join(f"\n  {text}" for text in texts)))
-
-
-class SimulationError(OspaceError):
-    """A run could not go on.
-
-    Attributes
-    ----------
-    time : float
-        When, s.
-    trajectory : Trajectory
-        What was run until then.
-    """
-
-    def __init__(self, reason: str, time: float, trajectory: Trajectory) -> None:
-        super().__init__(reason)
-        self.time, self.trajectory = time, trajectory
 
 
 class UnsoundModelError(OspaceError):

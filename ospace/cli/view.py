@@ -13,7 +13,7 @@ from ospace.cli import output
 if TYPE_CHECKING:
     from ospace.kernels.tree import Floats
     from ospace.model.robot import SpaceRobot
-    from ospace.simulation.reaction import FloatingMotion
+    from ospace.simulation.zero_momentum import FloatingMotion
     from ospace.visual import Scene
 
 _FRAME = 1.0 / 30.0  # s from one picture of a sweep to the next
@@ -148,10 +148,10 @@ def _pose(text: str, robot: SpaceRobot) -> dict[str, float]:
 
 def _sweep(given: argparse.Namespace, robot: SpaceRobot, q: Floats) -> FloatingMotion:
     from ospace.cli import progress
-    from ospace.simulation.reaction import sweep
+    from ospace.simulation.zero_momentum import joint_sweep
 
     with progress.bar(given, "moving every joint through its range, percent", 100) as advance:
-        return sweep(robot, q, progress=lambda share: advance(int(100.0 * share)))
+        return joint_sweep(robot, q, progress=lambda share: advance(int(100.0 * share)))
 
 
 def _write(given: argparse.Namespace, scene: Scene, q: Floats) -> str:

@@ -7,7 +7,7 @@ from ospace.kernels.tree import Floats
 
 
 @entry
-def halfway(v: Floats, V: Floats, A: Floats, h: float, u: Floats, V_next: Floats) -> None:
+def stage_2_3(v: Floats, V: Floats, A: Floats, h: float, u: Floats, V_next: Floats) -> None:
     """Write u = h V and V_next = v + h A."""
     for i in range(v.size):
         u[i] = h * V[i]
@@ -15,7 +15,7 @@ def halfway(v: Floats, V: Floats, A: Floats, h: float, u: Floats, V_next: Floats
 
 
 @entry
-def to_the_end(v: Floats, V: Floats, A: Floats, h: float, u: Floats) -> None:
+def stage_4(v: Floats, V: Floats, A: Floats, h: float, u: Floats) -> None:
     """Write u = h (V_3 − V_1/2) and V_4 = v + h A_3; rows of `V` and `A` are the stages."""
     for i in range(v.size):
         u[i] = h * (V[2, i] - 0.5 * V[0, i])

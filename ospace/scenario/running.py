@@ -13,7 +13,6 @@ import pinocchio as pin
 
 from ospace.control import Command, Controller, Function
 from ospace.control.references import Reference
-from ospace.exceptions import SimulationError
 from ospace.kernels.tree import Floats
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
@@ -24,6 +23,7 @@ from ospace.scenario.references import Start
 from ospace.scenario.result import Contact, Outcome, PhaseResult, Run, Segment, worst
 from ospace.simulation import Certificate, Conserved, Grasp, Trajectory, grasp, simulate
 from ospace.simulation.certificate import relative
+from ospace.simulation.errors import SimulationError
 from ospace.simulation.moving_frame import MovingFrame
 
 _ROUNDING = 1e-9
@@ -323,8 +323,8 @@ class _Conductor:
 def conserved_in_grasp(chaser: State, target: State, held: Grasp, time: float) -> list[Conserved]:
     """Return how well a grasp kept the momentum of both, and accounts for the energy; seen moving with the chaser."""
     frame = MovingFrame.of(chaser)
-    parts = [_momentum(*frame.enter(one.q, one.v), one.robot) for one in (chaser, target)]
-    whole = _momentum(*frame.enter(held.state.q, held.state.v), held.state.robot)
+    parts = [_momentum(*frame.from_user_frame(one.q, one.v), one.robot) for one in (chaser, target)]
+    whole = _momentum(*frame.from_user_frame(held.state.q, held.state.v), held.state.robot)
     before = parts[0][0] + parts[1][0]
     energy = parts[0][1] + parts[1][1]
     mass = held.state.robot.total_mass

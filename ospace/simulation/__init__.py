@@ -1,10 +1,10 @@
 """Simulation: forward dynamics on the manifold, a certificate for every run, and targets to grasp."""
 
-from ospace.exceptions import SimulationError
-from ospace.simulation.actuation import Actuation, Command, Controller
+from ospace.simulation.actuation import Actuation, CommandLike, ControllerLike
 from ospace.simulation.certificate import Certificate, Conserved
+from ospace.simulation.errors import SimulationError
 from ospace.simulation.grasp import Grasp, grasp, release
-from ospace.simulation.measurement import Noise
+from ospace.simulation.sensor_noise import Noise
 from ospace.simulation.simulate import simulate
 from ospace.simulation.target import rigid_body, tumbling
 from ospace.simulation.trajectory import Excess, Trajectory
@@ -12,9 +12,9 @@ from ospace.simulation.trajectory import Excess, Trajectory
 __all__ = [
     "Actuation",
     "Certificate",
-    "Command",
+    "CommandLike",
     "Conserved",
-    "Controller",
+    "ControllerLike",
     "Excess",
     "Grasp",
     "Noise",

@@ -14,7 +14,7 @@ from ospace.kernels.tree import Floats
 from ospace.model.robot import SpaceRobot
 
 
-class Command(Protocol):
+class CommandLike(Protocol):
     """What a controller returns: constant until the next one, base quantities in inertial axes.
 
     Attributes
@@ -37,7 +37,7 @@ class Command(Protocol):
 
 @dataclass(frozen=True)
 class Actuation:
-    """The plainest `Command`.
+    """The plainest `CommandLike`.
 
     Attributes
     ----------
@@ -54,19 +54,19 @@ class Actuation:
     wheel_torque: Floats = field(default_factory=lambda: np.zeros(3))
 
 
-class Controller(Protocol):
+class ControllerLike(Protocol):
     """What `simulate` calls once a period."""
 
-    def update(self, time: float, q: Floats, v: Floats) -> Command:
+    def update(self, time: float, q: Floats, v: Floats) -> CommandLike:
         """Return the command at `time` (s) for the measured `q` (nq,) and `v` (nv,)."""
         ...
 
 
 Law = Callable[[float, Floats, Floats], Any]
-"""(time, q, v) to joint torques (n,), or to a `Command`."""
+"""(time, q, v) to joint torques (n,), or to a `CommandLike`."""
 
 
-def law_of(controller: Controller | Law, robot: SpaceRobot) -> Law:
+def law_of(controller: ControllerLike | Law, robot: SpaceRobot) -> Law:
     """Return `controller` as a function; raises `OspaceError` if it is neither, or made for a robot of other joints.
 
     Its robot may be another model of the same joints, such as one whose masses are known but roughly.
@@ -83,8 +83,8 @@ def law_of(controller: Controller | Law, robot: SpaceRobot) -> Law:
     return law
 
 
-def as_command(given: Any, time: float) -> Command:
-    """Return what a law gave as a `Command`; raises `OspaceError` where it is none."""
+def as_command(given: Any, time: float) -> CommandLike:
+    """Return what a law gave as a `CommandLike`; raises `OspaceError` where it is none."""
     if hasattr(given, "torque") and hasattr(given, "base_wrench") and hasattr(given, "wheel_torque"):
         return given  # type: ignore[no-any-return]
     try:

@@ -20,7 +20,7 @@ from ospace.dynamics.operational_space import operational_space
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint, check_owner
 from ospace.model.state import State
-from ospace.simulation.joined_model import JoinedModel, join
+from ospace.simulation.combined_model import CombinedModel, join
 from ospace.simulation.moving_frame import MovingFrame
 
 _ALL = (True,) * 6
@@ -54,7 +54,7 @@ class Grasp:
     velocity_error: Floats
     chaser: State
     target: State
-    _joined: JoinedModel = field(repr=False)
+    _joined: CombinedModel = field(repr=False)
     _hand: int = field(repr=False)
     _held: int = field(repr=False)
     _T_HT: pin.SE3 = field(repr=False)
@@ -88,7 +88,7 @@ def grasp(chaser: State, hand: OperationalPoint, target: State, fixture: Operati
     check_owner(chaser.robot, hand)
     check_owner(target.robot, fixture)
     frame = MovingFrame.of(chaser)
-    before_c, before_t = (one.robot.state(*frame.enter(one.q, one.v)) for one in (chaser, target))
+    before_c, before_t = (one.robot.state(*frame.from_user_frame(one.q, one.v)) for one in (chaser, target))
     T_hand, T_fixture = before_c.placement(hand), before_t.placement(fixture)
     mismatch = T_hand.actInv(T_fixture)
 
@@ -106,14 +106,14 @@ def grasp(chaser: State, hand: OperationalPoint, target: State, fixture: Operati
     for rows, one in ((joined.first, after_c), (joined.second, after_t)):
         q[rows.joined_q], v[rows.joined_v] = one.q[rows.own_q], one.v[rows.own_v]
     return Grasp(
-        state=joined.robot.state(*frame.leave_at(0.0, q, v)),
+        state=joined.robot.state(*frame.to_user_frame_at(0.0, q, v)),
         impulse=impulse,
         energy_lost=0.5 * float(velocity_error @ impulse),
         position_error=float(np.linalg.norm(T_fixture.translation - T_hand.translation)),
         angle_error=float(np.linalg.norm(pin.log3(mismatch.rotation))),
         velocity_error=velocity_error,
-        chaser=after_c.robot.state(*frame.leave_at(0.0, after_c.q, after_c.v)),
-        target=after_t.robot.state(*frame.leave_at(0.0, after_t.q, after_t.v)),
+        chaser=after_c.robot.state(*frame.to_user_frame_at(0.0, after_c.q, after_c.v)),
+        target=after_t.robot.state(*frame.to_user_frame_at(0.0, after_t.q, after_t.v)),
         _joined=joined,
         _hand=joined.first_joints[hand.joint],
         _held=fixture.joint,
@@ -154,7 +154,7 @@ def release(held: Grasp, q: npt.ArrayLike, v: npt.ArrayLike) -> tuple[State, Sta
     X = own.oMi[held._held]
     part_q[:7] = pin.SE3ToXYZQUAT(data.oMi[held._hand] * held._T_HT * X.inverse())
     part_v[:6] = X.act(held._T_HT.actInv(data.v[held._hand]) - own.v[held._held]).vector
-    chaser, target = (one.state(*frame.leave_at(0.0, a, b)) for one, a, b in parts)
+    chaser, target = (one.state(*frame.to_user_frame_at(0.0, a, b)) for one, a, b in parts)
     return chaser, target
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ospace.kernels.thrust import add_velocity
+from ospace.kernels.base_wrench import add_velocity
 from ospace.kernels.tree import Floats
 from ospace.model.state import State
 
@@ -42,10 +42,10 @@ class MovingFrame:
 
     @property
     def inverse(self) -> MovingFrame:
-        """The user's frame as seen from here: its `leave` brings the user's motions into this one."""
+        """The user's frame as seen from here: its `to_user_frame` brings the user's motions into this one."""
         return MovingFrame(-self.origin, -self.velocity)
 
-    def enter(self, q: Floats, v: Floats) -> tuple[Floats, Floats]:
+    def from_user_frame(self, q: Floats, v: Floats) -> tuple[Floats, Floats]:
         """Return (q, v) of the start as seen from here."""
         q, v = q.copy(), v.copy()
         q[:3] -= self.origin
@@ -53,7 +53,7 @@ class MovingFrame:
             add_velocity(q[None], -self.velocity, v[None])
         return q, v
 
-    def leave(self, elapsed: Floats, Q: Floats, V: Floats) -> tuple[Floats, Floats]:
+    def to_user_frame(self, elapsed: Floats, Q: Floats, V: Floats) -> tuple[Floats, Floats]:
         """Return the motion `Q` (N, nq), `V` (N, nv) as the user sees it, `elapsed` (N,) seconds after the start."""
         Q, V = Q.copy(), V.copy()
         Q[:, :3] += self.origin + np.multiply.outer(elapsed, self.velocity)
@@ -61,7 +61,7 @@ class MovingFrame:
             add_velocity(Q, self.velocity, V)
         return Q, V
 
-    def leave_at(self, elapsed: float, q: Floats, v: Floats) -> tuple[Floats, Floats]:
+    def to_user_frame_at(self, elapsed: float, q: Floats, v: Floats) -> tuple[Floats, Floats]:
         """Return one state (q, v), `elapsed` seconds after the start, as the user sees it."""
         q, v = q.copy(), v.copy()
         q[:3] += self.origin

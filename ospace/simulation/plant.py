@@ -20,11 +20,11 @@ import pinocchio as pin
 from ospace.checks import checked_vector, real_numbers
 from ospace.dynamics.joint_friction import JointFriction
 from ospace.exceptions import OspaceError
-from ospace.kernels.thrust import push_base, push_point
+from ospace.kernels.base_wrench import push_base, push_point
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint, check_owner
 from ospace.model.robot import SpaceRobot
-from ospace.simulation.actuation import Command
+from ospace.simulation.actuation import CommandLike
 
 Wrench = npt.ArrayLike | Callable[[float], npt.ArrayLike]
 """(6,) force and torque, inertial axes, linear first (N, N m), or a function of time (s) that returns it."""
@@ -82,7 +82,7 @@ class Plant:
         """Whether nothing from outside acts on the robot now."""
         return not self._pushed and not self._external
 
-    def hold(self, command: Command, time: float) -> None:
+    def hold(self, command: CommandLike, time: float) -> None:
         """Take over a command; raises `OspaceError` for a wrong shape or numbers that are not finite."""
         n = self.robot.n_joints
         for name, held, given in (
@@ -109,7 +109,7 @@ class Plant:
             self.tau[:6] = self.impulse_rate[:] = 0.0
         self._pushed = pushed
 
-    def _refuse(self, command: Command, time: float) -> None:
+    def _refuse(self, command: CommandLike, time: float) -> None:
         for name in ("torque", "base_wrench", "wheel_torque"):
             wrong = np.flatnonzero(~np.isfinite(getattr(command, name)))
             if wrong.size:

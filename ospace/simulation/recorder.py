@@ -31,7 +31,7 @@ class Recorder:
         self._wheel_torque, self._wheel_momentum, self._mass_centre = np.empty((3, records, 3))
         self._energy, self._work, self._dissipated = np.empty((3, records))
 
-    def take(self, elapsed: float, motion: Motion, wheel_momentum: Floats) -> None:
+    def record(self, elapsed: float, motion: Motion, wheel_momentum: Floats) -> None:
         """Take down one record, `elapsed` seconds after the start; it counts only when it is whole."""
         plant, k = self.plant, self.count
         self._momentum[k], self._mass_centre[k], self._energy[k] = plant.momentum(motion.q, motion.v)
@@ -47,7 +47,7 @@ class Recorder:
         """Return what was taken down so far, in the user's frame."""
         taken = slice(0, self.count)
         robot = self.plant.robot
-        q, v = self.frame.leave(self._elapsed[taken], self._q[taken], self._v[taken])
+        q, v = self.frame.to_user_frame(self._elapsed[taken], self._q[taken], self._v[taken])
         return Trajectory(
             robot_name=robot.name,
             time=self.start + self._elapsed[taken],

@@ -29,7 +29,7 @@ import numpy as np
 import pinocchio as pin
 
 from ospace.exceptions import OspaceError
-from ospace.kernels.runge_kutta import finish, halfway, to_the_end
+from ospace.kernels.runge_kutta import finish, stage_2_3, stage_4
 from ospace.kernels.tree import Floats
 from ospace.simulation.plant import Plant
 
@@ -122,17 +122,17 @@ class RungeKutta4:
         P_1 = accelerate(t, q, V_1, A_1)
         if watched:
             self._rates[0] = plant.rates
-        halfway(v, V_1, A_1, 0.5 * h, u, V_2)
+        stage_2_3(v, V_1, A_1, 0.5 * h, u, V_2)
         q_2 = pin.integrate(model, q, u)
         P_2 = accelerate(t + 0.5 * h, q_2, V_2, A_2)
         if watched:
             self._rates[1] = plant.rates
-        halfway(v, V_2, A_2, 0.5 * h, u, V_3)
+        stage_2_3(v, V_2, A_2, 0.5 * h, u, V_3)
         q_3 = pin.integrate(model, q, u)
         P_3 = accelerate(t + 0.5 * h, q_3, V_3, A_3)
         if watched:
             self._rates[2] = plant.rates
-        to_the_end(v, self._V, self._A, h, u)
+        stage_4(v, self._V, self._A, h, u)
         q_4 = pin.integrate(model, q_2, u)
         P_4 = accelerate(t + h, q_4, V_4, A_4)
 

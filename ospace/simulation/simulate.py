@@ -11,16 +11,17 @@ import numpy as np
 import numpy.typing as npt
 
 from ospace.checks import checked_number, checked_vector
-from ospace.exceptions import OspaceError, SimulationError
+from ospace.exceptions import OspaceError
 from ospace.model.points import OperationalPoint
 from ospace.model.robot import SpaceRobot
-from ospace.simulation.actuation import Actuation, Command, Controller, Law, as_command, law_of
+from ospace.simulation.actuation import Actuation, CommandLike, ControllerLike, Law, as_command, law_of
+from ospace.simulation.errors import SimulationError
 from ospace.simulation.integrators import integrator_of
-from ospace.simulation.measurement import Noise, Sensors
 from ospace.simulation.moving_frame import MovingFrame
 from ospace.simulation.plant import Plant, Wrench
 from ospace.simulation.recorder import Recorder
 from ospace.simulation.runge_kutta import Motion
+from ospace.simulation.sensor_noise import Noise, Sensors
 from ospace.simulation.trajectory import Trajectory
 
 _ROUNDING = 1e-9
@@ -30,7 +31,7 @@ def simulate(
     robot: SpaceRobot,
     q: npt.ArrayLike,
     v: npt.ArrayLike,
-    controller: Controller | Law | None = None,
+    controller: ControllerLike | Law | None = None,
     *,
     duration: float,
     step: float = 1e-3,
@@ -52,7 +53,7 @@ def simulate(
     robot : SpaceRobot
     q, v : (nq,), (nv,)
         State at the start, as of `SpaceRobot.state`.
-    controller : Controller or function, optional
+    controller : ControllerLike or function, optional
         Called as ``update(time, q, v)``, or as a function of these, once a `period`; what it returns is held until
         the next one, base quantities in inertial axes. A function may return joint torques (n,) alone. Nothing acts
         without it.
@@ -122,7 +123,7 @@ def simulate(
                 if driver is not None:
                     driver.drive(k, motion)
                 if k % log_every == 0:
-                    recorder.take(k * step, motion, wheels)
+                    recorder.record(k * step, motion, wheels)
                 stepper.step(clock.time(k), step, motion)
                 wheels = wheels - step * plant.wheel_torque
                 k += 1
@@ -130,15 +131,15 @@ def simulate(
                     raise OspaceError(_not_finite(robot, clock.time(k)))
                 if on_step is not None and on_step(clock.time(k)):
                     break
-        recorder.take(k * step, motion, wheels)
+        recorder.record(k * step, motion, wheels)
     except KeyboardInterrupt:
         interrupted = True
     except OspaceError as error:
         if not recorder.count:
-            recorder.take(0.0, motion, wheels)
+            recorder.record(0.0, motion, wheels)
         raise SimulationError(str(error), clock.time(k), recorder.trajectory()) from error
     if not recorder.count:
-        recorder.take(0.0, motion, wheels)
+        recorder.record(0.0, motion, wheels)
     return recorder.trajectory(interrupted)
 
 
@@ -188,13 +189,13 @@ class _Driver:
 
     def __init__(self, law: Law, sensors: Sensors, frame: MovingFrame, plant: Plant, clock: _Clock) -> None:
         self._law, self._sensors, self._frame, self._plant, self._clock = law, sensors, frame, plant, clock
-        self._under_way: deque[tuple[int, Command]] = deque()
+        self._under_way: deque[tuple[int, CommandLike]] = deque()
 
     def drive(self, k: int, motion: Motion) -> None:
         """Do what is due before step `k`."""
         clock, time = self._clock, self._clock.time(k)
         if k % clock.ticks == 0:
-            q, v = self._sensors.measure(*self._frame.leave_at(k * clock.step, motion.q, motion.v))
+            q, v = self._sensors.measure(*self._frame.to_user_frame_at(k * clock.step, motion.q, motion.v))
             command = as_command(self._law(time, q, v), time)
             if not clock.delay:
                 self._plant.hold(command, time)

@@ -70,7 +70,7 @@ class Live:
         self._scene.display(robot.q, robot.v, others, combined=combined)
 
     def _seen(self, time: float, state: State) -> State:
-        q, v = self._frame.leave(np.array([time]), state.q[None], state.v[None])
+        q, v = self._frame.to_user_frame(np.array([time]), state.q[None], state.v[None])
         return state.robot.state(q[0], v[0])
 
     def replay(self, run: Run) -> None:

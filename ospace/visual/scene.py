@@ -270,7 +270,7 @@ class Scene:
         seen, between_records = [], 0.0
         for player, motion in zip(self._players, checked, strict=True):
             time = motion.time - start
-            Q, V = self.frame.inverse.leave(time, motion.q, motion.v)
+            Q, V = self.frame.inverse.to_user_frame(time, motion.q, motion.v)
             times, poses, off = between.placed(player.robot.model, time, Q, V, player.nodes, ERROR)
             between_records = max(between_records, off)
             for j, path in enumerate(player.figure.nodes):
@@ -289,7 +289,7 @@ class Scene:
         parts = []
         for robot, motion in segments:
             time = np.asarray(motion.time) - start
-            parts.append((robot, time, *self.frame.inverse.leave(time, motion.q, motion.v)))
+            parts.append((robot, time, *self.frame.inverse.to_user_frame(time, motion.q, motion.v)))
         return parts
 
     def _quantities_along(self, parts: Sequence[_Part]) -> dict[str, tuple[Floats, Floats]]:

@@ -9,7 +9,7 @@ import pytest
 
 import ospace
 from ospace import SpaceRobot
-from ospace.simulation.reaction import FloatingMotion
+from ospace.simulation.zero_momentum import FloatingMotion
 from ospace.visual import Scene, run_report
 
 pytestmark = pytest.mark.browser

@@ -11,7 +11,7 @@ import ospace
 from ospace import SpaceRobot
 from ospace.cli.main import main
 from ospace.simulation import simulate
-from ospace.simulation.reaction import FloatingMotion, sweep
+from ospace.simulation.zero_momentum import FloatingMotion, joint_sweep
 from ospace.visual import Scene, run_report
 
 pytestmark = pytest.mark.browser
@@ -95,7 +95,7 @@ def test_far_away_and_fast(open_page):
     found = page.along([hand], times)[:, 0]
     for time, T in zip(times, found, strict=True):
         # Interpolated as seen from the frame: between records of 7e6 m it would have nine digits less.
-        Q, _ = scene.frame.inverse.leave(run.time, run.q, run.v)
+        Q, _ = scene.frame.inverse.to_user_frame(run.time, run.q, run.v)
         seen = frame_pose(robot, pin.interpolate(robot.model, *around(run.time, Q, time)), "right_hand")
         np.testing.assert_allclose(T, seen, rtol=0, atol=3e-6)
     records = run.time[:: len(run) // 20]
@@ -110,7 +110,7 @@ def swept(tmp_path_factory):
     file = tmp_path_factory.mktemp("sweep") / "sweep.html"
     assert main(["view", "planar_2r", "--pose", "joint_1=0.3", "--sweep", "--html", str(file)]) == 0
     robot = SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")
-    return robot, sweep(robot, robot.configuration({"joint_1": 0.3})), file
+    return robot, joint_sweep(robot, robot.configuration({"joint_1": 0.3})), file
 
 
 def test_a_sweep_keeps_the_centre_of_mass(open_page, swept):

@@ -7,7 +7,7 @@ from meshcat.path import Path as ScenePath
 
 from ospace import SpaceRobot, models
 from ospace.exceptions import OspaceError
-from ospace.simulation.reaction import FloatingMotion
+from ospace.simulation.zero_momentum import FloatingMotion
 from ospace.visual import animation, between
 from ospace.visual.animation import ERROR, keys_of
 

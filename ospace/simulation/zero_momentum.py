@@ -110,7 +110,9 @@ def react(
     return FloatingMotion(time, Q, V)
 
 
-def sweep(robot: SpaceRobot, q: npt.ArrayLike, *, progress: Callable[[float], None] | None = None) -> FloatingMotion:
+def joint_sweep(
+    robot: SpaceRobot, q: npt.ArrayLike, *, progress: Callable[[float], None] | None = None
+) -> FloatingMotion:
     """Move one joint after the other from `q` to its upper limit, to its lower one and back, the base reacting.
 
     Each way is one of minimum jerk and takes 4 s at most, so the whole at most 12 s for each degree of freedom.

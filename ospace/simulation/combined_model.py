@@ -42,7 +42,7 @@ _PER_POSITION = ("lowerPositionLimit", "upperPositionLimit", "positionLimitMargi
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class RowMap:
     """Where the numbers of one of the two stand: index arrays into its own q and v, and into those of both."""
 
     own_q: Ints
@@ -51,7 +51,7 @@ class Rows:
     joined_v: Ints
 
     @classmethod
-    def of(cls, own: pin.Model, joined: pin.Model, joints: dict[int, int]) -> Rows:
+    def of(cls, own: pin.Model, joined: pin.Model, joints: dict[int, int]) -> RowMap:
         """Find those of `joints`, by their number in either model."""
         found = []
         for model, numbers in ((own, joints.keys()), (joined, joints.values())):
@@ -62,7 +62,7 @@ class Rows:
 
 
 @dataclass(frozen=True)
-class JoinedModel:
+class CombinedModel:
     """A robot made of two.
 
     Attributes
@@ -71,17 +71,17 @@ class JoinedModel:
         Base, joint names and frame names of the first; names of the second that clash are prefixed with its own.
     first_joints : dict of int to int
         Pinocchio's number in `robot` of each joint of the first.
-    first, second : Rows
+    first, second : RowMap
         Of the first, and of the second without its base.
     """
 
     robot: SpaceRobot
     first_joints: dict[int, int]
-    first: Rows
-    second: Rows
+    first: RowMap
+    second: RowMap
 
 
-def join(first: SpaceRobot, at: int, second: SpaceRobot, held: int, T_AH: pin.SE3) -> JoinedModel:
+def join(first: SpaceRobot, at: int, second: SpaceRobot, held: int, T_AH: pin.SE3) -> CombinedModel:
     """Fix joint frame `held` of `second` to joint frame `at` of `first`, at the pose `T_AH`.
 
     Raises
@@ -99,10 +99,10 @@ def join(first: SpaceRobot, at: int, second: SpaceRobot, held: int, T_AH: pin.SE
     builder.add_frames(at)
     robot = SpaceRobot.from_model(builder.model)
     rows = (
-        Rows.of(one.model, robot.model, joints)
+        RowMap.of(one.model, robot.model, joints)
         for one, joints in ((first, builder.first_joints), (second, builder.second_joints))
     )
-    return JoinedModel(robot, builder.first_joints, *rows)
+    return CombinedModel(robot, builder.first_joints, *rows)
 
 
 class _Builder:

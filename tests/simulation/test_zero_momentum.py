@@ -10,7 +10,7 @@ import trees
 
 import ospace
 from ospace import OspaceError, SpaceRobot
-from ospace.simulation.reaction import react, sweep
+from ospace.simulation.zero_momentum import joint_sweep, zero_momentum_motion
 
 MODELS = Path(ospace.__file__).parents[1] / "models"
 
@@ -44,7 +44,7 @@ def start_of(robot, seed=1):
 
 def test_momentum_is_zero_and_the_mass_centre_stays(robot):
     q = start_of(robot)
-    motion = react(robot, q, waving(robot), 3.0)
+    motion = zero_momentum_motion(robot, q, waving(robot), 3.0)
     model, data = robot.model, robot.model.createData()
     np.testing.assert_allclose(motion.q[0], q, atol=1e-12)
     assert (motion.time[0], motion.time[-1]) == (0.0, 3.0)
@@ -60,7 +60,7 @@ def test_momentum_is_zero_and_the_mass_centre_stays(robot):
 
 def test_joints_move_as_they_are_told(robot):
     joints = waving(robot)
-    motion = react(robot, start_of(robot), joints, 1.0)
+    motion = zero_momentum_motion(robot, start_of(robot), joints, 1.0)
     first = motion.q[0].copy()
     for time, q, v in zip(motion.time[::10], motion.q[::10], motion.v[::10], strict=True):
         moved, rates = joints(time)
@@ -71,7 +71,7 @@ def test_joints_move_as_they_are_told(robot):
 
 def test_the_velocity_is_the_derivative(robot):
     """By central differences over two records, which are off by h²."""
-    motion = react(robot, start_of(robot), waving(robot), 1.0)
+    motion = zero_momentum_motion(robot, start_of(robot), waving(robot), 1.0)
     h = motion.time[1]
     for k in range(1, len(motion.time) - 1, 7):
         forth = pin.difference(robot.model, motion.q[k], motion.q[k + 1]) / h
@@ -86,8 +86,8 @@ def test_fourth_order(monkeypatch):
     joints = waving(robot, pace=6.0)
 
     def turned(step):
-        monkeypatch.setattr("ospace.simulation.reaction._STEP", step)
-        return pin.XYZQUATToSE3(react(robot, q, joints, 1.0).q[-1, :7]).rotation
+        monkeypatch.setattr("ospace.simulation.zero_momentum._STEP", step)
+        return pin.XYZQUATToSE3(zero_momentum_motion(robot, q, joints, 1.0).q[-1, :7]).rotation
 
     best = turned(1.0 / 640.0)
     errors = [np.linalg.norm(pin.log3(best.T @ turned(step))) for step in (1 / 10.0, 1 / 20.0, 1 / 40.0)]
@@ -104,7 +104,7 @@ def test_out_and_back_along_one_joint_brings_the_base_back(robot):
             moved[i], rates[i] = np.sin(np.pi * time) ** 2, np.pi * np.sin(2.0 * np.pi * time)
             return moved, rates
 
-        motion = react(robot, start_of(robot), joints, 1.0)
+        motion = zero_momentum_motion(robot, start_of(robot), joints, 1.0)
         np.testing.assert_allclose(
             pin.XYZQUATToSE3(motion.q[-1, :7]).homogeneous,
             pin.XYZQUATToSE3(motion.q[0, :7]).homogeneous,
@@ -121,7 +121,7 @@ def test_two_joints_in_turn_do_not():
         a, b = 2.0 * np.pi * time, 2.0 * np.pi * time
         return np.array([1.0 - np.cos(a), np.sin(b)]), 2.0 * np.pi * np.array([np.sin(a), np.cos(b)])
 
-    motion = react(robot, robot.configuration(), joints, 1.0)
+    motion = zero_momentum_motion(robot, robot.configuration(), joints, 1.0)
     turned = pin.log3(pin.XYZQUATToSE3(motion.q[-1, :7]).rotation)
     np.testing.assert_allclose(motion.q[-1, 7:], motion.q[0, 7:], atol=1e-9)
     assert np.abs(turned[2]) > 1e-3
@@ -130,7 +130,7 @@ def test_two_joints_in_turn_do_not():
 def test_a_sweep_goes_to_the_limits_and_back():
     robot = SpaceRobot.from_urdf(MODELS / "chaser_7dof.urdf")
     q = robot.configuration(dict.fromkeys(robot.joint_names[:2], 0.1))
-    motion = sweep(robot, q)
+    motion = joint_sweep(robot, q)
     assert (np.diff(motion.time) > 0.0).all()
     np.testing.assert_allclose(motion.q[-1, 7:], q[7:], atol=1e-9)
     np.testing.assert_allclose(motion.v[[0, -1]], 0.0, atol=1e-9)
@@ -150,17 +150,17 @@ def test_a_sweep_goes_to_the_limits_and_back():
 def test_a_duration_that_is_none(duration):
     robot = SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")
     with pytest.raises(OspaceError, match="give a positive number"):
-        react(robot, robot.configuration(), waving(robot), duration)
+        zero_momentum_motion(robot, robot.configuration(), waving(robot), duration)
 
 
 def test_bad_input():
     robot = SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")
     with pytest.raises(OspaceError, match="q"):
-        react(robot, np.zeros(3), waving(robot), 1.0)
+        zero_momentum_motion(robot, np.zeros(3), waving(robot), 1.0)
     with pytest.raises(OspaceError):
-        sweep(robot, robot.configuration() * np.nan)
+        joint_sweep(robot, robot.configuration() * np.nan)
     with pytest.raises(OspaceError, match="no joint to move"):
-        sweep(
+        joint_sweep(
             SpaceRobot.from_urdf(MODELS / "target.urdf"), SpaceRobot.from_urdf(MODELS / "target.urdf").configuration()
         )
 
@@ -205,7 +205,7 @@ def limit(lower, upper):
 def test_a_range_that_is_too_wide_is_cut(hinged, kind, limits, at, expected):
     robot = hinged(kind, limits)
     q = robot.configuration({"j": at})
-    motion = sweep(robot, q)
+    motion = joint_sweep(robot, q)
     moved = np.r_[0.0, np.cumsum([pin.difference(robot.model, a, b)[6] for a, b in itertools.pairwise(motion.q)])]
     np.testing.assert_allclose(at + np.array([moved.min(), moved.max()]), expected, rtol=0, atol=1e-9)
     assert motion.time[-1] < 12.1
@@ -213,7 +213,7 @@ def test_a_range_that_is_too_wide_is_cut(hinged, kind, limits, at, expected):
 
 def test_a_joint_far_beyond_its_limits_takes_no_longer(hinged):
     robot = hinged("revolute", limit(-1.0, 1.0))
-    motion = sweep(robot, robot.configuration({"j": 1e6}))
+    motion = joint_sweep(robot, robot.configuration({"j": 1e6}))
     assert motion.time[-1] < 12.1
     assert np.ptp(motion.q[:, 7]) <= 4.0 * np.pi
 
@@ -235,7 +235,7 @@ def test_a_joint_far_beyond_its_limits_takes_no_longer(hinged):
 def test_what_turns_and_what_shifts(kind, turning):
     """Half a turn to either side, or a metre: by the columns of the joint, whatever it is called."""
     robot = trees.tree(1, 1, types=(kind,))
-    motion = sweep(robot, pin.neutral(robot.model))
+    motion = joint_sweep(robot, pin.neutral(robot.model))
     moved = np.cumsum([pin.difference(robot.model, a, b)[6:] for a, b in itertools.pairwise(motion.q)], axis=0)
     np.testing.assert_allclose(moved.max(axis=0), np.where(turning, np.pi, 1.0), rtol=1e-6)
     np.testing.assert_allclose(moved.min(axis=0), np.where(turning, -np.pi, -1.0), rtol=1e-6)
@@ -244,7 +244,7 @@ def test_what_turns_and_what_shifts(kind, turning):
 def test_progress_of_a_sweep():
     robot = SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")
     shares = []
-    motion = sweep(robot, robot.configuration(), progress=shares.append)
+    motion = joint_sweep(robot, robot.configuration(), progress=shares.append)
     assert len(shares) == len(motion.time)
     assert (shares[0], shares[-1]) == (0.0, 1.0)
     assert (np.diff(shares) > 0.0).all()
@@ -254,4 +254,4 @@ def test_progress_of_a_sweep():
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        sweep(robot, robot.configuration(), progress=interrupted)
+        joint_sweep(robot, robot.configuration(), progress=interrupted)
