@@ -51,7 +51,7 @@ class FloatingMotion:
     v: Floats
 
 
-def react(
+def zero_momentum_motion(
     robot: SpaceRobot,
     q: npt.ArrayLike,
     joints: Joints,
@@ -145,7 +145,7 @@ def joint_sweep(
             lasts = _STEP * math.ceil(lasts / _STEP - 1e-6)  # no step across two ways
             legs.append((begin, lasts, i, here, there))
             begin += lasts
-    return react(robot, start, _along(legs, robot.n_joints), begin, progress=progress)
+    return zero_momentum_motion(robot, start, _along(legs, robot.n_joints), begin, progress=progress)
 
 
 def _along(legs: Sequence[tuple[float, float, int, float, float]], n: int) -> Joints:
