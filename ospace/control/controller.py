@@ -15,18 +15,22 @@ import pinocchio as pin
 from ospace.checks import checked_number, checked_vector
 from ospace.control.base import Base, parse_base
 from ospace.control.command import Command, Layout, Status, Timing
-from ospace.control.limits import JointLimits, bounded
+from ospace.control.completion import CompletionWatch
+from ospace.control.kernel_layout import base_actuation, empty_program, limit_tables, task_tables
+from ospace.control.limits import JointLimits
 from ospace.control.priorities import Level, Solution, relaxed, solve_by_levels
-from ospace.control.references import Constant, Function, MinimumJerk, Reference
+from ospace.control.references import Constant, Function, Reference
 from ospace.control.solvers import solver_named
-from ospace.control.tasks import DampingTask, LookAtTask, PostureTask, Task
+from ospace.control.tasks import Task
 from ospace.control.tasks.base_attitude import base_point
+from ospace.control.wheels import Wheels
 from ospace.dynamics.evaluator import OperationalSpaceEvaluator
 from ospace.dynamics.joint_friction import JointFriction
 from ospace.exceptions import OspaceError, closest
-from ospace.kernels import control as kernel
-from ospace.kernels.tasks import LOOK_AT, POSTURE, REFERENCE, Actuation, Rows, Tasks
-from ospace.kernels.tree import UNKNOWN, Floats
+from ospace.kernels.qp import tables as kernel
+from ospace.kernels.qp.program import assemble, recover_solution
+from ospace.kernels.tasks.tables import REFERENCE
+from ospace.kernels.tree import Floats
 from ospace.model.joint_positions import joint_units
 from ospace.model.points import OperationalPoint, check_owner
 from ospace.model.robot import SpaceRobot
@@ -119,48 +123,32 @@ class Controller:
             raise OspaceError(f"limits are of {len(self.limits.torque)} joints; '{robot.name}' has {robot.n_joints}")
         self._points = [base_point(robot), *(point for task in self.tasks for point in task.points)]
         self._run = OperationalSpaceEvaluator(robot, self._points, ("generalized_inertia", "generalized_bias"))
-        self._tasks = self._lay_out()
+        self._tasks = task_tables(robot, self.tasks, self._points, self._run.layout.nodes)
+        self._link = self._run.layout.nodes.link[self._tasks.node]
         self._connect()
         n, m = robot.n_joints, len(self._tasks.rows)
-        self._base = self._actuation()
-        size = n + len(self._base.component)
-        self._rows = Rows(np.zeros((m, size)), np.zeros(m), np.zeros(m), np.zeros((size, 6)))
-        bounds = np.zeros((2, size + n))
-        cause = np.zeros((2, n), dtype=np.int64)
-        self._program = kernel.Program(
-            np.zeros((size, size)), np.zeros(size), np.zeros((n, size)), bounds[0], bounds[1], cause
-        )
-        self._answer = kernel.Answer(np.zeros(n), np.zeros((1, 6)), np.zeros(m))
-        weights = np.array([task.weight if task.level is None else 0.0 for task in self.tasks])
+        self._base = base_actuation(robot, self.base)
+        component, scale = self._base.component, self._base.scale
+        self._rows, self._program, self._answer = empty_program(n, len(component), m)
         self._weights = kernel.Weights(
-            weights,
+            np.array([task.weight if task.level is None else 0.0 for task in self.tasks]),
             _above_zero("regularization", regularization),
             _above_zero("singular", singular),
             _above_zero("damping", damping),
             np.ones(len(self.tasks)),
-            np.zeros((m, size)),
+            np.zeros_like(self._rows.A),
         )
-        largest = self.base.limits[self._base.component] / self._base.scale
-        self._limits = kernel.Limits(
-            bounded(np.array([0.0 - self.limits.torque, self.limits.torque])),
-            bounded(np.array([self.limits.lower, self.limits.upper])),
-            bounded(self.limits.velocity),
-            bounded(self.limits.acceleration),
-            bounded(np.array([-largest, largest])),
-            self.period,
-            _above_zero("braking", braking),
-        )
+        largest = self.base.limits[component] / scale
+        self._limits = limit_tables(self.limits, largest, self.period, _above_zero("braking", braking))
         friction = JointFriction.of(robot)
         self._resistance = kernel.Resistance(friction.damping, friction.coulomb, np.zeros(n))
         self._undriven = np.flatnonzero(self.limits.torque == 0.0)
         self._beyond = np.zeros(n)
-        self._wheel_rows = self._base.component >= 3 if self.base.wheels else np.zeros(size - n, dtype=bool)
-        self._on_wheels, self._largest = bool(self._wheel_rows.any()), largest
+        wheel_rows = (component >= 3) & self.base.wheels
+        self._wheels = Wheels(wheel_rows, component - 3, self.base.wheel_momentum, largest, scale)
         self.wheel_momentum = checked_vector(wheel_momentum, 3, "wheel_momentum", robot.name)
         first = self._tasks.first
-        geometric = [
-            np.arange(first[t], first[t + 1]) for t in range(len(self.tasks)) if self._tasks.kind[t] <= LOOK_AT
-        ]
+        geometric = [np.arange(first[t], first[t + 1]) for t, task in enumerate(self.tasks) if task.geometric]
         self._layout = Layout(
             robot.rate_names,
             joint_units(robot.model),
@@ -178,7 +166,7 @@ class Controller:
         for t, task in enumerate(self.tasks):
             if task.reference is not None:
                 self._set_reference(t, task.reference)
-        self._inside_since = np.full(len(self.tasks), np.nan)
+        self._completion = CompletionWatch(self.tasks, first, self._tasks.rows)
 
     # -- one cycle -------------------------------------------------------------------------------------------
 
@@ -201,9 +189,9 @@ class Controller:
         evaluated = clock.perf_counter()
         for t, reference in self._moving:
             reference.write(self._tasks.reference[t], time)
-        if self._on_wheels:
-            self._limit_wheels()
-        farthest = kernel.assemble(
+        if self._wheels.any:
+            self._wheels.limit(self._rotation().T @ self.wheel_momentum, self.period, self._limits.wrench)
+        farthest = assemble(
             time,
             run.memory,
             self._base,
@@ -218,7 +206,7 @@ class Controller:
         assembled = clock.perf_counter()
         outcome = self._solution()
         solved = clock.perf_counter()
-        self._watch(time)
+        self._completion.observe(time, self._rows.error, self._references)
         outside = self._outside() if farthest > _OUTSIDE else {}
         return self._command(outcome, outside, (start, evaluated, assembled, solved))
 
@@ -231,22 +219,16 @@ class Controller:
         completion = self.tasks[t].completion
         if completion is None:
             raise OspaceError(f"task '{name}' has no completion test")
-        return bool(self._time - self._inside_since[t] >= completion.hold - 1e-12)
+        return self._completion.held(t, self._time) >= completion.hold - 1e-12
 
     def follow(self, name: str, reference: Reference | Mapping[str, float]) -> None:
         """Give a task another reference, or a posture task another posture, from the next cycle on."""
         t = self._index(name)
-        task = self.tasks[t]
-        if isinstance(task, PostureTask):
-            if not isinstance(reference, Mapping):
-                raise OspaceError(f"task '{name}': give a posture by joint names")
-            PostureTask(name=name, posture=reference).write(self.robot, self._tasks.posture[t])
-        elif isinstance(task, DampingTask) or isinstance(reference, Mapping):
-            raise OspaceError(f"task '{name}' follows no such reference: {reference!r}")
-        else:
-            type(task)(**{**vars(task), "reference": reference})  # refuses what the task cannot follow
-            self._set_reference(t, reference)
-        self._inside_since[t] = np.nan
+        task = self.tasks[t].redirected(reference)
+        task.write(self.robot, self._tasks.posture[t])
+        if task.reference is not None:
+            self._set_reference(t, task.reference)
+        self._completion.restart(t)
 
     def pose(self, point: OperationalPoint) -> pin.SE3:
         """Return the pose of a point of one of the tasks in the state of the last cycle, inertial axes; m.
@@ -307,7 +289,7 @@ class Controller:
     def _finish(self, z: Floats, program: kernel.Program) -> float:
         """Compute what comes of `z`; return by how much it passes the bounds of `program`, relative to them."""
         own = self._run.memory, self._base, self.period, self._resistance, self._rows
-        return float(kernel.finish(z, *own, program, self._answer))
+        return float(recover_solution(z, *own, program, self._answer))
 
     def _excess(self, z: Floats) -> dict[str, float]:
         """By how much joint accelerations pass the bounds of their motion limits."""
@@ -353,7 +335,7 @@ class Controller:
             R = self._rotation()
             wrench = np.concatenate([R @ wrench[:3], R @ wrench[3:]])
         wheel_torque = np.zeros(3)
-        if self._on_wheels:
+        if self._wheels.any:
             wheel_torque, wrench[3:] = wrench[3:].copy(), 0.0
             self.wheel_momentum = self.wheel_momentum - wheel_torque * self.period
         value = np.concatenate([z, answer.torque])
@@ -391,36 +373,6 @@ class Controller:
         R = self._R[self._link[e]].reshape(3, 3).T @ self._tasks.turn[e].reshape(3, 3).T
         return pin.SE3(R, self._place[self._tasks.node[e]] + self._q[:3])
 
-    def _limit_wheels(self) -> None:
-        """Bound wheel torques so that no wheel passes its momentum within a period: h − u T within ± the largest."""
-        most = self.base.wheel_momentum
-        rows, scale = self._wheel_rows, self._base.scale
-        stored = (self._rotation().T @ self.wheel_momentum)[self._base.component[rows] - 3]
-        low, high = self._limits.wrench
-        low[rows] = np.clip((stored - most) / (self.period * scale[rows]), -self._largest[rows], self._largest[rows])
-        high[rows] = np.clip((stored + most) / (self.period * scale[rows]), -self._largest[rows], self._largest[rows])
-        low[:], high[:] = bounded(low), bounded(high)
-
-    def _watch(self, time: float) -> None:
-        """Note since when each task with a completion test is within its bounds."""
-        first, error = self._tasks.first, self._rows.error
-        for t, task in enumerate(self.tasks):
-            if task.completion is None:
-                continue
-            rows, own = self._tasks.rows[first[t] : first[t + 1]], error[first[t] : first[t + 1]]
-            if self._tasks.kind[t] >= POSTURE:
-                inside = bool(np.abs(own).max(initial=0.0) <= task.completion.angle)
-            else:
-                position, angle = np.linalg.norm(own[rows < 3]), np.linalg.norm(own[rows >= 3])
-                inside = bool(position <= task.completion.position and angle <= task.completion.angle)
-            reference = self._references[t]
-            if isinstance(reference, MinimumJerk) and time < reference.start + reference.duration:
-                inside = False
-            if not inside:
-                self._inside_since[t] = np.nan
-            elif np.isnan(self._inside_since[t]):
-                self._inside_since[t] = time
-
     # -- setting up ------------------------------------------------------------------------------------------
 
     def _connect(self) -> None:
@@ -451,55 +403,13 @@ class Controller:
             raise OspaceError(f"no task '{name}'{closest(str(name), names)}")
         return names.index(name)
 
-    def _lay_out(self) -> Tasks:
-        """Lay the tasks out for the kernel; references and postures come with the first cycle."""
-        robot, tasks = self.robot, self.tasks
-        if not robot.own_kinematics:
-            unknown = robot.joint_of_link(int(np.flatnonzero(robot.links.kind == UNKNOWN)[0]))
-            raise OspaceError(f"joint '{unknown}' is of a type that the controller does not know how to place")
-        point, at = np.full((len(tasks), 2), -1, dtype=np.int64), 1
-        for t, task in enumerate(tasks):
-            count = len(task.points)
-            point[t, :count] = range(at, at + count)
-            at += count
-        rows = [task.rows(robot) for task in tasks]
-        gain = [(task.gain * 2) for task in tasks]
-        axis = np.zeros((len(tasks), 3))
-        for t, task in enumerate(tasks):
-            if isinstance(task, LookAtTask):
-                axis[t] = np.asarray(task.axis) / np.linalg.norm(task.axis)
-        nodes = self._run.layout.nodes
-        node = np.array([int(np.flatnonzero(nodes.point == e)[0]) for e in range(len(self._points))])
-        self._link = nodes.link[node]
-        turn = [(robot.link_axes[one.joint].T @ one.placement.rotation).ravel(order="F") for one in self._points]
-        return Tasks(
-            np.array([task.kind for task in tasks]),
-            point,
-            np.concatenate([[0], np.cumsum([len(own) for own in rows])]),
-            np.concatenate(rows).astype(np.int64),
-            np.array(gain, dtype=np.float64),
-            axis,
-            np.zeros((len(tasks), REFERENCE)),
-            np.zeros((len(tasks), robot.nq)),
-            node,
-            np.array(turn),
-        )
-
-    def _actuation(self) -> Actuation:
-        """Actuated components of the wrench, scaled to accelerations of the base: of the mass, of its mean inertia."""
-        component = np.flatnonzero(self.base.limits > 0.0)
-        moment = np.trace(self.robot.model.inertias[1].inertia) / 3.0
-        scale = np.where(component < 3, self.robot.total_mass, moment)
-        return Actuation(component, scale, np.zeros((len(component), 6)))
-
     def _begin(self) -> None:
         """Take what is there at the first cycle as the reference of every task that was given none."""
         self._begun = True
         centre = self._run.table("mass_centre")[0] + self._q[:3]
         for t, task in enumerate(self.tasks):
-            if isinstance(task, PostureTask):
-                self._tasks.posture[t] = self._q
-                task.write(self.robot, self._tasks.posture[t])
+            self._tasks.posture[t] = self._q
+            task.write(self.robot, self._tasks.posture[t])
             poses = [self._pose(e) for e in self._tasks.point[t] if e >= 0]
             if self._references[t] is None:
                 self._set_reference(t, Constant(task.initial(poses, centre)))

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from ospace.checks import checked_number, real_numbers
 from ospace.exceptions import OspaceError, closest
-from ospace.kernels.control import UNLIMITED
+from ospace.kernels.qp.tables import UNLIMITED
 from ospace.kernels.tree import Floats
 from ospace.model.robot import SpaceRobot
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ospace.control.solvers import Solver
-from ospace.kernels.control import UNLIMITED, Program
+from ospace.kernels.qp.tables import UNLIMITED, Program
 from ospace.kernels.tree import Floats
 
 _NOTHING_LEFT = 1e-9

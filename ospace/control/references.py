@@ -11,7 +11,7 @@ import pinocchio as pin
 
 from ospace.checks import checked_number, checked_vector
 from ospace.exceptions import OspaceError
-from ospace.kernels import tasks as kernel
+from ospace.kernels.tasks import tables as kernel
 from ospace.kernels.tree import Floats
 
 Moving = Callable[[float], tuple[pin.SE3, npt.ArrayLike, npt.ArrayLike]]
@@ -72,8 +72,8 @@ class MinimumJerk:
         """Write the reference to a row of the kernel's table."""
         _write_pose(row, self.origin)
         row[kernel.START], row[kernel.DURATION] = self.start, self.duration
-        row[kernel.WAY : kernel.WAY + 3] = self.goal.translation - self.origin.translation
-        row[kernel.TURNING : kernel.TURNING + 3] = pin.log3(self.goal.rotation @ self.origin.rotation.T)
+        row[kernel.DISPLACEMENT : kernel.DISPLACEMENT + 3] = self.goal.translation - self.origin.translation
+        row[kernel.ROTATION_VECTOR : kernel.ROTATION_VECTOR + 3] = pin.log3(self.goal.rotation @ self.origin.rotation.T)
 
 
 @dataclass(frozen=True)
@@ -111,5 +111,5 @@ def _checked_pose(pose: pin.SE3) -> pin.SE3:
 
 def _write_pose(row: Floats, pose: pin.SE3) -> None:
     row[:] = 0.0
-    row[kernel.PLACE : kernel.PLACE + 3] = pose.translation
-    row[kernel.TURN : kernel.TURN + 9] = pose.rotation.ravel(order="F")
+    row[kernel.POSITION : kernel.POSITION + 3] = pose.translation
+    row[kernel.ROTATION : kernel.ROTATION + 9] = pose.rotation.ravel(order="F")

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ospace.exceptions import OspaceError, closest
-from ospace.kernels.control import UNLIMITED, Program
+from ospace.kernels.qp.tables import UNLIMITED, Program
 from ospace.kernels.tree import Floats
 
 Solver = Callable[[Program], Floats | None]

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from ospace.control import Command, Controller, Task
-from ospace.kernels import tasks as kernel
+from ospace.kernels.tasks import tables as kernel
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint
 from ospace.scenario.result import BASE, TaskErrors
@@ -42,7 +42,7 @@ class Recording:
         self.active_limits: Counter[str] = Counter()
         self.near_singularity: Counter[str] = Counter()
         self._rows = {task.name: task.rows(controller.robot) for task in controller.tasks}
-        self._about_points = [task for task in controller.tasks if task.kind <= kernel.LOOK_AT]
+        self._about_points = [task for task in controller.tasks if task.geometric]
         self._points = _points(self._about_points)
         self._tracked = {name: point for name, point in self._points.items() if name != BASE}
         self._data = controller.robot.model.createData()

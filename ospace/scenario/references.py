@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from ospace.control import Constant, Function
 from ospace.control.references import Reference
-from ospace.kernels import tasks as kernel
+from ospace.kernels.tasks import tables as kernel
 from ospace.kernels.tree import Floats
 from ospace.model.robot import SpaceRobot
 from ospace.scenario.description import Follow, Hold, Shift, TaskPlan, ToMomentum, ToPose

@@ -5,7 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ospace.kernels.control import ACCELERATION, POSITION, UNLIMITED, VELOCITY, ceiling, clamp_joints
+from ospace.kernels.qp.joint_limits import ceiling, clamp_joints
+from ospace.kernels.qp.tables import ACCELERATION, POSITION, UNLIMITED, VELOCITY
 from ospace.kernels.tree import CONTINUOUS, REVOLUTE
 
 PERIOD = 1e-2

@@ -8,7 +8,7 @@ from typing import ClassVar
 import pinocchio as pin
 
 from ospace.control.tasks.task import Task, chosen
-from ospace.kernels import tasks as kernel
+from ospace.kernels.tasks import tables as kernel
 from ospace.model.points import Axes, OperationalPoint
 from ospace.model.robot import SpaceRobot
 
@@ -34,6 +34,7 @@ class BaseAttitudeTask(Task):
     axes: Axes = "angular"
 
     kind: ClassVar[int] = kernel.MOTION
+    geometric: ClassVar[bool] = True
 
     @property
     def points(self) -> tuple[OperationalPoint, ...]:

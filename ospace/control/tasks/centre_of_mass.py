@@ -11,7 +11,7 @@ import pinocchio as pin
 from ospace.control.base import Base
 from ospace.control.tasks.task import Task, chosen
 from ospace.exceptions import OspaceError
-from ospace.kernels import tasks as kernel
+from ospace.kernels.tasks import tables as kernel
 from ospace.model.points import Axes
 from ospace.model.robot import SpaceRobot
 

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from ospace.control.tasks.task import Task
+import numpy as np
+
+from ospace.control.references import Reference
+from ospace.control.tasks.task import Completion, Task
 from ospace.exceptions import OspaceError
-from ospace.kernels import tasks as kernel
+from ospace.kernels.tasks import tables as kernel
+from ospace.kernels.tree import Floats, Ints
 from ospace.model.robot import SpaceRobot
 
 
@@ -29,6 +34,14 @@ class DampingTask(Task):
     def gain(self) -> tuple[float, float]:
         """No stiffness; damping, 1/s."""
         return 0.0, 2.0 * self.damping_ratio * math.sqrt(self.stiffness)
+
+    def is_within(self, bounds: Completion, rows: Ints, error: Floats) -> bool:
+        """Return whether no joint's `error` passes the angle of `bounds`."""
+        return bool(np.abs(error).max(initial=0.0) <= bounds.angle)
+
+    def redirected(self, reference: Reference | Mapping[str, Any]) -> DampingTask:
+        """Raise `OspaceError`: there is nothing to follow."""
+        raise OspaceError(f"task '{self.name}' follows no such reference: {reference!r}")
 
     def rows(self, robot: SpaceRobot) -> list[int]:
         """All joints."""

@@ -11,7 +11,8 @@ import pinocchio as pin
 from ospace.checks import real_numbers
 from ospace.control.tasks.task import Task
 from ospace.exceptions import OspaceError
-from ospace.kernels import tasks as kernel
+from ospace.kernels.tasks import tables as kernel
+from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint
 from ospace.model.robot import SpaceRobot
 
@@ -31,6 +32,7 @@ class LookAtTask(Task):
     axis: tuple[float, float, float] = (1.0, 0.0, 0.0)
 
     kind: ClassVar[int] = kernel.LOOK_AT
+    geometric: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -46,6 +48,12 @@ class LookAtTask(Task):
         """What looks."""
         return (self.point,)
 
+    @property
+    def direction(self) -> Floats:
+        """The axis, of unit length."""
+        axis: Floats = np.asarray(self.axis) / np.linalg.norm(self.axis)
+        return axis
+
     def rows(self, robot: SpaceRobot) -> list[int]:
         """Two turns."""
         return [3, 4]
@@ -56,5 +64,4 @@ class LookAtTask(Task):
 
     def initial(self, poses: list[pin.SE3], mass_centre: np.ndarray) -> pin.SE3:
         """Return a place 1 m ahead."""
-        axis = np.asarray(self.axis) / np.linalg.norm(self.axis)
-        return pin.SE3(np.eye(3), poses[0].act(axis))
+        return pin.SE3(np.eye(3), poses[0].act(self.direction))

@@ -10,7 +10,7 @@ from ospace.control.base import Base
 from ospace.control.references import MinimumJerk
 from ospace.control.tasks.task import Task, chosen
 from ospace.exceptions import OspaceError
-from ospace.kernels import tasks as kernel
+from ospace.kernels.tasks import tables as kernel
 from ospace.model.points import Axes
 from ospace.model.robot import SpaceRobot
 

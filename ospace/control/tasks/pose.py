@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ospace.control.tasks.task import Task, chosen
-from ospace.kernels import tasks as kernel
+from ospace.kernels.tasks import tables as kernel
 from ospace.model.points import Axes, OperationalPoint
 from ospace.model.robot import SpaceRobot
 
@@ -25,6 +25,7 @@ class PoseTask(Task):
     axes: Axes = "all"
 
     kind: ClassVar[int] = kernel.MOTION
+    geometric: ClassVar[bool] = True
     offered: ClassVar[tuple[int, ...]] = (0, 1, 2, 3, 4, 5)
 
     @property

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 import numpy as np
 import pinocchio as pin
 
 from ospace.checks import checked_numbers
 from ospace.control.base import Base
-from ospace.control.tasks.task import Task
+from ospace.control.references import Reference
+from ospace.control.tasks.task import Completion, Task
 from ospace.exceptions import OspaceError, closest
-from ospace.kernels import tasks as kernel
-from ospace.kernels.tree import Floats
+from ospace.kernels.tasks import tables as kernel
+from ospace.kernels.tree import Floats, Ints
 from ospace.model.joint_positions import Position, to_q
 from ospace.model.robot import SpaceRobot
 
@@ -58,6 +59,16 @@ class PostureTask(Task):
             except OspaceError as error:
                 raise OspaceError(f"task '{self.name}': {error}") from None
             q[robot.model.idx_qs[j] : robot.model.idx_qs[j] + robot.model.nqs[j]] = numbers
+
+    def is_within(self, bounds: Completion, rows: Ints, error: Floats) -> bool:
+        """Return whether no joint's `error` passes the angle of `bounds`."""
+        return bool(np.abs(error).max(initial=0.0) <= bounds.angle)
+
+    def redirected(self, reference: Reference | Mapping[str, Any]) -> PostureTask:
+        """Return the same task with another posture; raises `OspaceError` for what is not one."""
+        if not isinstance(reference, Mapping):
+            raise OspaceError(f"task '{self.name}': give a posture by joint names")
+        return replace(self, posture=reference)
 
     def rows(self, robot: SpaceRobot) -> list[int]:
         """Which joint rates."""

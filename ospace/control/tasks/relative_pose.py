@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from ospace.control.tasks.task import Task, chosen
-from ospace.kernels import tasks as kernel
+from ospace.kernels.tasks import tables as kernel
 from ospace.model.points import Axes, OperationalPoint
 from ospace.model.robot import SpaceRobot
 
@@ -31,6 +31,7 @@ class RelativePoseTask(Task):
     axes: Axes = "all"
 
     kind: ClassVar[int] = kernel.RELATIVE
+    geometric: ClassVar[bool] = True
 
     @property
     def points(self) -> tuple[OperationalPoint, ...]:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from numbers import Real
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import pinocchio as pin
@@ -13,6 +14,7 @@ import pinocchio as pin
 from ospace.control.base import Base
 from ospace.control.references import Constant, Function, MinimumJerk, Reference
 from ospace.exceptions import OspaceError
+from ospace.kernels.tree import Floats, Ints
 from ospace.model.points import ROW_NAMES, Axes, OperationalPoint, parse_axes
 from ospace.model.robot import SpaceRobot
 
@@ -75,6 +77,9 @@ class Task:
     reference: Reference | None = None
 
     kind: ClassVar[int]
+    """Which kernel writes its rows."""
+    geometric: ClassVar[bool] = False
+    """Whether its rows are about the motion of points: rows of a Jacobian."""
 
     def __post_init__(self) -> None:
         for name in ("stiffness", "damping_ratio", "weight"):
@@ -99,6 +104,32 @@ class Task:
     def points(self) -> tuple[OperationalPoint, ...]:
         """Points that the task is about."""
         return ()
+
+    @property
+    def direction(self) -> Floats:
+        """Unit vector (3,) in the axes of its point that the kernel needs; zero where it needs none."""
+        return np.zeros(3)
+
+    def redirected(self, reference: Reference | Mapping[str, Any]) -> Task:
+        """Return the same task with another reference.
+
+        Raises
+        ------
+        OspaceError
+            The task cannot follow it.
+        """
+        if isinstance(reference, Mapping):
+            raise OspaceError(f"task '{self.name}' cannot follow {reference!r}: a posture is for a PostureTask")
+        made: Task = type(self)(**{**vars(self), "reference": reference})
+        return made
+
+    def write(self, robot: SpaceRobot, q: Floats) -> None:
+        """Put the joints that the task holds somewhere at their positions in `q` (nq,)."""
+
+    def is_within(self, bounds: Completion, rows: Ints, error: Floats) -> bool:
+        """Return whether the `error` of its `rows` is within `bounds`."""
+        position, angle = np.linalg.norm(error[rows < 3]), np.linalg.norm(error[rows >= 3])
+        return bool(position <= bounds.position and angle <= bounds.angle)
 
     def rows(self, robot: SpaceRobot) -> list[int]:
         """Which of six components, or which joints, the rows are."""

@@ -1,0 +1,88 @@
+"""Tasks, actuation and limits of a controller as the kernels take them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ospace.control.base import Base
+from ospace.control.limits import JointLimits, bounded
+from ospace.control.tasks import Task
+from ospace.exceptions import OspaceError
+from ospace.kernels.qp import tables as qp
+from ospace.kernels.tasks.tables import REFERENCE, BaseActuation, TaskRows, Tasks
+from ospace.kernels.tree import UNKNOWN, Floats, Nodes
+from ospace.model.points import OperationalPoint
+from ospace.model.robot import SpaceRobot
+
+
+def task_tables(robot: SpaceRobot, tasks: Sequence[Task], points: Sequence[OperationalPoint], nodes: Nodes) -> Tasks:
+    """Lay out tasks; references and postures come with the first cycle.
+
+    Parameters
+    ----------
+    points : sequence of OperationalPoint
+        The base, then those of each task in turn.
+    nodes : Nodes
+        The same as the evaluator lays them out.
+
+    Raises
+    ------
+    OspaceError
+        The kernels cannot place a joint of the robot.
+    """
+    if not robot.own_kinematics:
+        unknown = robot.joint_of_link(int(np.flatnonzero(robot.links.kind == UNKNOWN)[0]))
+        raise OspaceError(f"joint '{unknown}' is of a type that the controller does not know how to place")
+    point, at = np.full((len(tasks), 2), -1, dtype=np.int64), 1
+    for t, task in enumerate(tasks):
+        count = len(task.points)
+        point[t, :count] = range(at, at + count)
+        at += count
+    rows = [task.rows(robot) for task in tasks]
+    turn = [(robot.link_axes[one.joint].T @ one.placement.rotation).ravel(order="F") for one in points]
+    return Tasks(
+        np.array([task.kind for task in tasks]),
+        np.array([task.geometric for task in tasks], dtype=np.int64),
+        point,
+        np.concatenate([[0], np.cumsum([len(own) for own in rows])]),
+        np.concatenate(rows).astype(np.int64),
+        np.array([task.gain * 2 for task in tasks], dtype=np.float64),
+        np.array([task.direction for task in tasks], dtype=np.float64),
+        np.zeros((len(tasks), REFERENCE)),
+        np.zeros((len(tasks), robot.nq)),
+        np.array([int(np.flatnonzero(nodes.point == e)[0]) for e in range(len(points))]),
+        np.array(turn),
+    )
+
+
+def base_actuation(robot: SpaceRobot, base: Base) -> BaseActuation:
+    """Lay out the actuated components of the wrench, scaled to accelerations of the base: of mass and mean inertia."""
+    component = np.flatnonzero(base.limits > 0.0)
+    moment = np.trace(robot.model.inertias[1].inertia) / 3.0
+    scale = np.where(component < 3, robot.total_mass, moment)
+    return BaseActuation(component, scale, np.zeros((len(component), 6)))
+
+
+def limit_tables(limits: JointLimits, largest: Floats, period: float, braking: float) -> qp.ProgramLimits:
+    """Lay out limits of joints, and of the scaled base wrench: `largest` (k,) to either side."""
+    return qp.ProgramLimits(
+        bounded(np.array([0.0 - limits.torque, limits.torque])),
+        bounded(np.array([limits.lower, limits.upper])),
+        bounded(limits.velocity),
+        bounded(limits.acceleration),
+        bounded(np.array([-largest, largest])),
+        period,
+        braking,
+    )
+
+
+def empty_program(n: int, k: int, rows: int) -> tuple[TaskRows, qp.Program, qp.Answer]:
+    """Return tables for `rows` task rows, the program of n joints and k components of the base, and its solution."""
+    size = n + k
+    bounds = np.zeros((2, size + n))
+    task_rows = TaskRows(np.zeros((rows, size)), np.zeros(rows), np.zeros(rows), np.zeros((size, 6)))
+    cause = np.zeros((2, n), dtype=np.int64)
+    program = qp.Program(np.zeros((size, size)), np.zeros(size), np.zeros((n, size)), bounds[0], bounds[1], cause)
+    return task_rows, program, qp.Answer(np.zeros(n), np.zeros((1, 6)), np.zeros(rows))

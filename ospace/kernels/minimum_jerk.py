@@ -1,0 +1,19 @@
+"""The quintic from 0 to 1 that is at rest at both ends."""
+
+from __future__ import annotations
+
+from ospace.kernels.jit.compile import Row, inlined
+
+
+@inlined
+def minimum_jerk(u: float) -> Row:
+    """Way, velocity and acceleration of the quintic from 0 to 1, at rest at both ends."""
+    if u <= 0.0:
+        return (0.0, 0.0, 0.0)
+    if u >= 1.0:
+        return (1.0, 0.0, 0.0)
+    return (
+        u * u * u * (10.0 + u * (-15.0 + 6.0 * u)),
+        30.0 * u * u * (1.0 - u) * (1.0 - u),
+        60.0 * u * (1.0 - u) * (1.0 - 2.0 * u),
+    )

@@ -1,0 +1,1 @@
+"""The quadratic program of one control cycle."""

@@ -1,0 +1,82 @@
+"""The quadratic program, its limits, weights and solution."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ospace.kernels.tree import Floats, Ints
+
+UNLIMITED = 1e30
+"""What bounds beyond count as none."""
+POSITION, VELOCITY, ACCELERATION = range(3)
+"""Which limit a bound on φ̈ comes of."""
+
+
+class ProgramLimits(NamedTuple):
+    """What must not be passed; ±`UNLIMITED` where there is no limit."""
+
+    torque: Floats
+    """(2, n) lower, upper."""
+    position: Floats
+    """(2, n)."""
+    velocity: Floats
+    """(n,)."""
+    acceleration: Floats
+    """(n,)."""
+    wrench: Floats
+    """(2, k) of û."""
+    reaction: float
+    """h, s."""
+    braking: float
+    """Share of what the torque limit could decelerate that the clamp counts on."""
+
+
+class Resistance(NamedTuple):
+    """Torques that drives provide while all accelerations are zero."""
+
+    damping: Floats
+    """(n,)."""
+    coulomb: Floats
+    """(2, n) at negative, then at positive rates."""
+    bias: Floats
+    """(n,) work: c_m* − τ_f at φ̇."""
+
+
+class Program(NamedTuple):
+    """The quadratic program."""
+
+    H: Floats
+    f: Floats
+    C: Floats
+    lower: Floats
+    upper: Floats
+    """(n + k + n,)."""
+    cause: Ints
+    """(2, n) which limit each bound on φ̈ comes of."""
+
+
+class Weights(NamedTuple):
+    """What counts how much."""
+
+    task: Floats
+    """(T,); zero for tasks of a strict level."""
+    regularization: float
+    """ε on φ̈ and û."""
+    singular: float
+    """Independence of a task's rows below which they are damped."""
+    damping: float
+    """Largest damping, relative to the mean diagonal of A Aᵀ."""
+    independence: Floats
+    """(T,) work: smallest pivot of A Aᵀ of each task at unit diagonal."""
+    orthogonal: Floats
+    """(m, n + k) work."""
+
+
+class Answer(NamedTuple):
+    """What comes of a solution."""
+
+    torque: Floats
+    base_acceleration: Floats
+    """(1, 6)."""
+    residual: Floats
+    """(m,) A z − b."""
