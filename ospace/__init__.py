@@ -33,13 +33,13 @@ if TYPE_CHECKING:
     from ospace.exceptions import OspaceError as OspaceError
     from ospace.exceptions import ScenarioError as ScenarioError
     from ospace.exceptions import SingularInertiaError as SingularInertiaError
-    from ospace.exceptions import UnsoundModelError as UnsoundModelError
-    from ospace.exceptions import UrdfError as UrdfError
     from ospace.model.points import OperationalPoint as OperationalPoint
     from ospace.model.robot import SpaceRobot as SpaceRobot
     from ospace.model.state import State as State
     from ospace.simulation.errors import SimulationError as SimulationError
     from ospace.simulation.simulate import simulate as simulate
+    from ospace.urdf.errors import UnsoundModelError as UnsoundModelError
+    from ospace.urdf.errors import UrdfError as UrdfError
     from ospace.urdf.source import Limits as Limits
 
 __version__ = "0.1.0"
@@ -61,8 +61,8 @@ _HOME = {
     "Controller": "control.controller",
     "simulate": "simulation.simulate",
     "OspaceError": "exceptions",
-    "UrdfError": "exceptions",
-    "UnsoundModelError": "exceptions",
+    "UrdfError": "urdf.errors",
+    "UnsoundModelError": "urdf.errors",
     "SingularInertiaError": "exceptions",
     "SimulationError": "simulation.errors",
     "ScenarioError": "exceptions",

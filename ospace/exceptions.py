@@ -5,10 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from ospace.urdf.findings import Finding
+from typing import Any
 
 
 def printable(text: str) -> str:
@@ -31,25 +28,6 @@ def _restored(kind: type[OspaceError], *arguments: object) -> OspaceError:
     return kind.__new__(kind, *arguments)
 
 
-class UrdfError(OspaceError):
-    """The file could not be read as a URDF.
-
-    Attributes
-    ----------
-    path : Path
-        The file.
-    code : str
-        Stable name of the reason; ``ospace check --explain CODE`` tells more.
-    line : int or None
-        Line of the file, counted from 1.
-    """
-
-    def __init__(self, path: Path, reason: str, code: str, line: int | None = None) -> None:
-        where = "" if line is None else f"line {line}: "
-        super().__init__(printable(f"{path}: {where}{reason} [{code}]"))
-        self.path, self.reason, self.code, self.line = path, reason, code, line
-
-
 class ScenarioError(OspaceError):
     """A scenario could not be read, or holds mistakes.
 
@@ -68,21 +46,6 @@ class ScenarioError(OspaceError):
         self.key = self.problems[0][0] if self.problems else ""
         texts = [f"{key}: {what}" if key else what for key, what in self.problems]
         super().__init__(f"{path}:" + (f" {texts[0]}" if len(texts) == 1 else "".join(f"\n  {text}" for text in texts)))
-
-
-class UnsoundModelError(OspaceError):
-    """The model was read, and its dynamics make no physical sense.
-
-    Attributes
-    ----------
-    findings : tuple of Finding
-        What is wrong, each with link or joint and remedy.
-    """
-
-    def __init__(self, name: str, findings: Iterable[Finding]) -> None:
-        self.findings = tuple(findings)
-        lines = "".join(f"\n  {finding}" for finding in self.findings if finding.severity == "error")
-        super().__init__(f"robot '{printable(name)}' has no sound dynamics:{lines}")
 
 
 class SingularInertiaError(OspaceError):

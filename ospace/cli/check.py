@@ -102,7 +102,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
         if getattr(given, option) and (given.fix is not None or given.explain is not None):
             given.refuse_usage(f"--{option} tells of a check: give it without --fix and --explain")
     if given.explain is not None:
-        from ospace.urdf import explain
+        from ospace.urdf.lint import explain
 
         return 0, explain.text(given.explain)
     if given.urdf is None:

@@ -14,15 +14,17 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from ospace.checks import checked_vector
-from ospace.exceptions import OspaceError, UnsoundModelError, closest
+from ospace.exceptions import OspaceError, closest
 from ospace.kernels.tree import Floats
 from ospace.model.joint_positions import ROUNDING, BoundedCoordinates, Position, from_q, to_q
 from ospace.model.layout import BASE_NQ, Layout
 from ospace.model.points import ROW_NAMES, Axes, OperationalPoint, parse_axes
 from ospace.model.state import State
-from ospace.urdf import inertia, reader
+from ospace.urdf import reader
 from ospace.urdf.description import Description
-from ospace.urdf.findings import Finding, any_error
+from ospace.urdf.errors import UnsoundModelError
+from ospace.urdf.lint import inertia
+from ospace.urdf.lint.findings import Finding, any_error
 from ospace.urdf.source import Limits
 
 _RATE_AXES = {

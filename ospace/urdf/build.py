@@ -16,9 +16,9 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 import pinocchio as pin
 
-from ospace.exceptions import UrdfError
 from ospace.urdf.description import Description, Inertial, Joint, Link, Pose
-from ospace.urdf.findings import Finding, found
+from ospace.urdf.errors import UrdfError
+from ospace.urdf.lint.findings import Finding, make_finding
 
 _BASE_NQ, _BASE_NV = 7, 6
 _LARGEST = sys.float_info.max  # Pinocchio's parser knows no infinity
@@ -37,7 +37,7 @@ def build(path: Path, description: Description) -> tuple[pin.Model, list[Finding
     model, errors = _parsed(to_xml(description), _unused_name(description))
     if model is None:
         raise UrdfError(path, f"Pinocchio rejects it: {'; '.join(errors)}", "rejected")
-    return model, [found("parser-error", "file", f"Pinocchio's parser says: {error}") for error in errors]
+    return model, [make_finding("parser-error", "file", f"Pinocchio's parser says: {error}") for error in errors]
 
 
 def as_it_stands(content: bytes, description: Description, *, has_free_flyer: bool) -> tuple[pin.Model | None, str]:

@@ -14,12 +14,12 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from ospace.exceptions import UrdfError
 from ospace.kernels.tree import Floats
 from ospace.urdf.bodies import Body
 from ospace.urdf.description import Joint
-from ospace.urdf.findings import Finding, found
+from ospace.urdf.errors import UrdfError
 from ospace.urdf.joint_axis import joint_axis
+from ospace.urdf.lint.findings import Finding, make_finding
 
 _TOLERANCE = 1e-10
 """Share by which a placement or inertia may differ: rounding over a chain of 2000 fixed joints leaves 1e-12."""
@@ -84,13 +84,13 @@ def of_original(
     """
     if model is None:
         if not any(finding.code in _REJECTED for finding in known):
-            yield found("original-rejected", "file", f"Pinocchio's parser rejects the file: {said}")
+            yield make_finding("original-rejected", "file", f"Pinocchio's parser rejects the file: {said}")
         return
     explained = {finding.subject for finding in known if finding.code in _EXPLAINED}
     for difference in _differences(bodies, model):
         if not difference.subjects & explained:
             message = f"Pinocchio's own reading of the file differs: {difference.message}"
-            yield found("original-differs", "file", f"{message}; its parser says: {said}" if said else message)
+            yield make_finding("original-differs", "file", f"{message}; its parser says: {said}" if said else message)
             return
 
 

@@ -14,10 +14,10 @@ from lxml import etree
 
 from ospace.exceptions import closest
 from ospace.urdf.bodies import rpy_of
-from ospace.urdf.codes import Severity
 from ospace.urdf.description import ZERO, Colour, Description, Inertial, Joint, Limit, Link, Mimic, Pose, Shape, Triple
-from ospace.urdf.findings import Finding, found
-from ospace.urdf.foreign import dynamics_in, speaks_of_dynamics
+from ospace.urdf.lint.findings import Finding, make_finding
+from ospace.urdf.lint.foreign import dynamics_in, speaks_of_dynamics
+from ospace.urdf.lint.rules import Severity
 from ospace.urdf.numbers import (
     LARGEST,
     LIGHTEST,
@@ -492,7 +492,7 @@ class _Reader:
         value: str | None = None,
         severity: Severity | None = None,
     ) -> None:
-        finding = found(code, self.subject, message, line=line_of(element), value=value, severity=severity)
+        finding = make_finding(code, self.subject, message, line=line_of(element), value=value, severity=severity)
         self.errors += finding.severity == "error"
         self.count[code] += 1
         if self.count[code] <= _TOLD:
@@ -502,7 +502,7 @@ class _Reader:
         """Say how many findings of a kind are left out."""
         for code, count in self.count.items():
             if count > _TOLD:
-                yield found(code, "file", f"{count - _TOLD} more of this kind are not told")
+                yield make_finding(code, "file", f"{count - _TOLD} more of this kind are not told")
 
 
 def _or_none(limit: float) -> float:

@@ -9,11 +9,12 @@ from pathlib import Path
 import pinocchio as pin
 
 from ospace.exceptions import printable
-from ospace.urdf import inertia, joints, meshes, parity, plausibility, source, structure
+from ospace.urdf import parity, source, structure
 from ospace.urdf.bodies import bodies_of
 from ospace.urdf.build import as_it_stands, build
 from ospace.urdf.description import Description
-from ospace.urdf.findings import Finding, any_error, gravest_first
+from ospace.urdf.lint import inertia, joints, meshes, plausibility
+from ospace.urdf.lint.findings import Finding, any_error, gravest_first
 from ospace.urdf.parse import parse
 from ospace.urdf.source import Limits
 

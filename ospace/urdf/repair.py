@@ -21,7 +21,7 @@ from lxml import etree
 from ospace.exceptions import OspaceError, printable
 from ospace.kernels.tree import Floats
 from ospace.urdf import reader, source
-from ospace.urdf.inertia import ROUNDED, judge
+from ospace.urdf.lint.inertia import ROUNDED, judge
 from ospace.urdf.numbers import NumberError, has_space_around, numbers, without_space_around, words
 from ospace.urdf.parse import OFF_UNIT, SCHEMA, TENSOR, TOO_SHORT, has_quaternions
 from ospace.urdf.source import Limits, line_of

@@ -12,7 +12,7 @@ from xml.parsers import expat
 
 from lxml import etree
 
-from ospace.exceptions import UrdfError
+from ospace.urdf.errors import UrdfError
 
 _XACRO = "http://www.ros.org/wiki/xacro"
 _XACRO_VALUE = re.compile(r"\$\{|\$\((find|arg|env|optenv|anon|eval|dirname)\b")

@@ -9,9 +9,10 @@ from pathlib import Path
 
 from lxml import etree
 
-from ospace.exceptions import UrdfError, closest
+from ospace.exceptions import closest
 from ospace.urdf.description import Description, Joint, Link
-from ospace.urdf.findings import Finding, found
+from ospace.urdf.errors import UrdfError
+from ospace.urdf.lint.findings import Finding, make_finding
 from ospace.urdf.source import Limits, line_of
 
 LONGEST_CHAIN = 2000
@@ -105,11 +106,11 @@ def with_floating_base(description: Description) -> tuple[Description, list[Find
             links=tuple(link for link in description.links if link.name not in ground),
             joints=tuple(joint for joint in description.joints if joint.child not in ground and joint is not floating),
         )
-        return inner, [found("floating-root", floating.subject, message, line=floating.line)]
+        return inner, [make_finding("floating-root", floating.subject, message, line=floating.line)]
     bolted = next((joint for joint in description.joints if joint.parent == root.name and joint.kind == "fixed"), None)
     if root.name == _WORLD and bolted is not None:
         message = f"'{bolted.child}' is fixed to the world in the file; here it floats"
-        return description, [found("fixed-base", bolted.subject, message, line=bolted.line)]
+        return description, [make_finding("fixed-base", bolted.subject, message, line=bolted.line)]
     return description, []
 
 

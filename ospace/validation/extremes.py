@@ -8,7 +8,7 @@ import numpy as np
 
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint
-from ospace.urdf.findings import Finding, found
+from ospace.urdf.lint.findings import Finding, make_finding
 from ospace.validation.sample import Sample
 
 _SMALLEST, _LARGEST_CONDITION, _NEAREST = 1e-9, 1e6, 1e-6  # beyond these a warning
@@ -41,14 +41,14 @@ class Extremes:
             return
         subject, states = f"robot '{robot}'", f"over {len(self._eigenvalues)} states"
         smallest, condition = min(self._eigenvalues), max(self._conditions)
-        yield found(
+        yield make_finding(
             "smallest-inertia",
             subject,
             f"smallest eigenvalue of H {states}: {smallest:.4g} with unit diagonal",
             severity="warning" if smallest < _SMALLEST else None,
             value=f"{smallest:.4g}",
         )
-        yield found(
+        yield make_finding(
             "base-condition",
             subject,
             f"largest condition of H_b {states}: {condition:.4g}, lengths in radii of gyration",
@@ -66,10 +66,10 @@ def _of_point(point: OperationalPoint, values: Sequence[Floats], states: str) ->
     rank = max(int((one > _RANK * largest).sum()) for one in values)
     if rank < point.n_rows:
         message = f"its J* has rank {rank} at most {states}, of {point.n_rows} rows"
-        yield found("point-rank", subject, message, value=str(rank))
+        yield make_finding("point-rank", subject, message, value=str(rank))
         return
     nearest = min(float(one[-1] / one[0]) for one in values)
-    yield found(
+    yield make_finding(
         "dynamic-singularity",
         subject,
         f"σ_min/σ_max of J* is at least {nearest:.4g} {states}",

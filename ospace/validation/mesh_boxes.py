@@ -11,11 +11,11 @@ import numpy as np
 
 from ospace.kernels.tree import Floats
 from ospace.model.robot import SpaceRobot
-from ospace.urdf import plausibility
 from ospace.urdf.bodies import placement
 from ospace.urdf.description import Link, Pose, Shape
-from ospace.urdf.findings import Finding, found
-from ospace.urdf.meshes import MOST, MeshError, locate
+from ospace.urdf.lint import plausibility
+from ospace.urdf.lint.findings import Finding, make_finding
+from ospace.urdf.lint.meshes import MOST, MeshError, locate
 
 _MEASURED = (".stl", ".obj")  # formats without units or axes of their own
 _LARGEST = 50_000_000  # bytes
@@ -24,7 +24,7 @@ _LARGEST = 50_000_000  # bytes
 def of_meshes(robot: SpaceRobot) -> Iterator[Finding]:
     """Tell of links whose mass, inertia or centre does not fit the extent of their meshes, and of meshes cut short.
 
-    Meshes are looked for where `ospace.urdf.meshes.locate` does; those that are not found have findings already.
+    Meshes are looked for where `ospace.urdf.lint.meshes.locate` does; those that are not found have findings already.
     """
     description, source = robot.description, robot.source
     if description is None or source is None:
@@ -40,7 +40,7 @@ def of_meshes(robot: SpaceRobot) -> Iterator[Finding]:
             try:
                 shapes.append(_boxed(shape, source, robot.package_dirs))
             except ValueError as error:
-                yield found("mesh-unreadable", link.subject, str(error), line=shape.line, value=shape.filename)
+                yield make_finding("mesh-unreadable", link.subject, str(error), line=shape.line, value=shape.filename)
                 shapes.append(shape)
         if any(one is not other for one, other in zip(shapes, link.shapes, strict=True)):
             changed.add(link.subject)

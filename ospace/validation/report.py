@@ -14,7 +14,7 @@ from ospace.dynamics.joint_space import joint_space_dynamics
 from ospace.exceptions import OspaceError, SingularInertiaError
 from ospace.model.points import OperationalPoint, points_of
 from ospace.model.robot import SpaceRobot
-from ospace.urdf.findings import Finding, found, gravest_first
+from ospace.urdf.lint.findings import Finding, gravest_first, make_finding
 from ospace.validation.agreement import Agreement, AgreementTable, summary
 from ospace.validation.extremes import Extremes
 from ospace.validation.mesh_boxes import of_meshes
@@ -165,9 +165,9 @@ def check(
             rows.append(summary(name, "14", "Pinocchio", "yourdfpy", placed))
     except SingularInertiaError as error:
         message = "carries no inertia in a sampled state, so the joint-space inertia is singular to working precision"
-        findings.append(found("singular-inertia", f"joint '{error.joint}'", message))
+        findings.append(make_finding("singular-inertia", f"joint '{error.joint}'", message))
     except (OspaceError, np.linalg.LinAlgError) as error:
-        findings.append(found("not-computable", f"robot '{robot.name}'", str(error)))
+        findings.append(make_finding("not-computable", f"robot '{robot.name}'", str(error)))
     findings += extremes.findings(robot.name)
     return Report(model_facts(robot, points), gravest_first(findings), rows, done, seed)
 
@@ -179,5 +179,5 @@ def _second_reader(robot: SpaceRobot, findings: list[Finding]) -> IndependentRea
     try:
         return IndependentReader(robot)
     except OspaceError as error:
-        findings.append(found("second-reader", f"robot '{robot.name}'", str(error)))
+        findings.append(make_finding("second-reader", f"robot '{robot.name}'", str(error)))
         return None

@@ -14,11 +14,11 @@ import pinocchio as pin
 import ospace
 from ospace.exceptions import printable
 from ospace.files import replacing
-from ospace.urdf import explain
 from ospace.urdf.bodies import Body, bodies_of, tensor_of
-from ospace.urdf.codes import CODES
 from ospace.urdf.description import Colour, Description
-from ospace.urdf.findings import Finding, gravest_first
+from ospace.urdf.lint import explain
+from ospace.urdf.lint.findings import Finding, gravest_first
+from ospace.urdf.lint.rules import RULES
 from ospace.validation import words
 from ospace.validation.report import Report
 from ospace.visual import look, page
@@ -111,7 +111,7 @@ def render(report: Report, description: Description, *, urdf: str, folders: Sequ
         report=report,
         subjects=list(seen.shown),
         shown=list(seen.shown.values()),
-        codes=[(CODES[code], explain.level(CODES[code])) for code in codes],
+        codes=[(RULES[code], explain.level(RULES[code])) for code in codes],
         weights=weights,
         total=sum(weight.mass for weight in weights),
         unweighed=len(description.links) - len(weights),

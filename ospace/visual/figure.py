@@ -15,8 +15,8 @@ from ospace.kernels.tree import Floats
 from ospace.model.robot import SpaceRobot
 from ospace.urdf.bodies import link_places, placement, tensor_of
 from ospace.urdf.description import Colour, Description, Inertial, Link, Shape
-from ospace.urdf.findings import Finding, found
-from ospace.urdf.meshes import MeshError, locate
+from ospace.urdf.lint.findings import Finding, make_finding
+from ospace.urdf.lint.meshes import MeshError, locate
 from ospace.visual.solids import Ball, Solid, box_corners, homogeneous, material, solids
 from ospace.visual.stage import Stage, component
 
@@ -146,7 +146,7 @@ class _Builder:
                 parts = list(solids(shape, self._mesh(shape.filename) if shape.kind == "mesh" else None))
             except (MeshError, ValueError) as error:
                 code = error.code if isinstance(error, MeshError) else "mesh-unreadable"
-                told = found(code, link.subject, str(error), line=shape.line, value=shape.filename)
+                told = make_finding(code, link.subject, str(error), line=shape.line, value=shape.filename)
                 self.figure.findings.append(told)
                 if shape.role == "visual" and inertia is not None and not boxed:
                     self.box(node, link.name, inertia)

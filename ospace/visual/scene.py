@@ -21,7 +21,7 @@ from ospace.model.points import OperationalPoint, points_of
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State, checked_state
 from ospace.simulation.moving_frame import MovingFrame
-from ospace.urdf.findings import Finding
+from ospace.urdf.lint.findings import Finding
 from ospace.visual import between, look, page
 from ospace.visual.animation import ERROR, animation
 from ospace.visual.figure import LEGENDS, TITLES, of_robot

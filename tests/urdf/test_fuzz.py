@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from urdf import fuzz
 
-from ospace.urdf import inertia
+from ospace.urdf.lint import inertia
 
 
 @pytest.mark.parametrize("seed", range(4))

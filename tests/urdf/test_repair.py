@@ -15,9 +15,9 @@ from urdf.corpus.parts import ARM, AXIS, LIMIT, inertial, joint, link, robot
 import ospace
 from ospace.cli.main import main
 from ospace.urdf import reader, repair
-from ospace.urdf.codes import CODES
+from ospace.urdf.lint.rules import RULES
 
-FIXABLE = {code.name for code in CODES.values() if code.fixable}
+FIXABLE = {code.name for code in RULES.values() if code.fixable}
 ODD = (
     "<?xml version='1.0'?>\r\n<!-- <mass value=' 2 '/> stays -->\r\n<robot name = 'r'  >\n"
     "<link name='base'  ><inertial ><mass\n value=' 2\t' /><inertia ixx=\"0.010 \" ixy='0' ixz='0' iyy='0.01' iyz='0'"

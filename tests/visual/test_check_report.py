@@ -17,7 +17,7 @@ from urdf.corpus import VARIANTS
 import ospace
 from ospace.cli.main import main
 from ospace.exceptions import printable
-from ospace.urdf.codes import CODES
+from ospace.urdf.lint.rules import RULES
 from ospace.visual.check_report import COLOURS
 
 INERTIAL = (
@@ -131,7 +131,7 @@ def agree(document, page):
     codes = {one["code"] for one in document["findings"]}
     details = {one.get("id").removeprefix("code-"): told(one) for one in page.tree.xpath("//details[@id!='notes']")}
     assert details.keys() == codes
-    assert all(" ".join(CODES[code].reason.split()) in details[code] for code in codes)
+    assert all(" ".join(RULES[code].reason.split()) in details[code] for code in codes)
 
 
 # -- content -----------------------------------------------------------------------------------------------------

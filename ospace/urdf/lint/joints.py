@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from ospace.exceptions import closest
 from ospace.urdf.description import Description, Joint, Limit, Mimic
-from ospace.urdf.findings import Finding, found
+from ospace.urdf.lint.findings import Finding, make_finding
 
 _LIMITED = ("revolute", "prismatic")
 _TWO_TURNS = 4.0 * math.pi
@@ -22,13 +22,13 @@ def of_joints(description: Description, *, free_mimic: bool) -> Iterator[Finding
         if joint.kind == "planar" and math.dist(joint.axis, (0.0, 0.0, 1.0)) > _ROUNDING:
             axis = " ".join(f"{x:g}" for x in joint.axis)
             message = f"its axis is {axis}, and Pinocchio's planar joint knows 0 0 1 only"
-            yield found("planar-axis", joint.subject, message, line=joint.line)
+            yield make_finding("planar-axis", joint.subject, message, line=joint.line)
         if joint.mimic is not None and joint.kind != "fixed":
             yield _mimic(description, joint, joint.mimic, free_mimic=free_mimic)
         for name, value in (("damping", joint.damping), ("friction", joint.friction)):
             if value < 0.0:
                 message = f"{name} {value:g} is negative"
-                yield found(f"{name}-negative", joint.subject, message, line=joint.line, value=repr(value))
+                yield make_finding(f"{name}-negative", joint.subject, message, line=joint.line, value=repr(value))
         yield from _limits(joint)
 
 
@@ -37,24 +37,24 @@ def _limits(joint: Joint) -> Iterator[Finding]:
     if limit is None:
         if joint.kind in _LIMITED:
             message = f"{joint.kind} joint without <limit>, read as unlimited"
-            yield found("limits-missing", joint.subject, message, line=joint.line)
+            yield make_finding("limits-missing", joint.subject, message, line=joint.line)
         elif joint.kind == "continuous":
             message = "continuous joint without <limit>, its effort and velocity read as unlimited"
-            yield found("limits-missing", joint.subject, message, line=joint.line, severity="info")
+            yield make_finding("limits-missing", joint.subject, message, line=joint.line, severity="info")
         return
     text = f"{limit.lower:g} to {limit.upper:g}"
     if limit.lower > limit.upper:
-        yield found("limits-reversed", joint.subject, f"limits {text} are reversed", line=limit.line, value=text)
+        yield make_finding("limits-reversed", joint.subject, f"limits {text} are reversed", line=limit.line, value=text)
     elif limit.lower == limit.upper:
         message = f"limits {text} leave no room to move"
-        yield found("limits-zero", joint.subject, message, line=limit.line, value=text)
+        yield make_finding("limits-zero", joint.subject, message, line=limit.line, value=text)
     yield from _zero(joint, limit)
     if joint.kind == "revolute" and any(_TWO_TURNS < abs(x) < _UNLIMITED for x in (limit.lower, limit.upper)):
         message = f"limits {text} rad are more than two turns from zero: are they in degrees?"
-        yield found("units-angle", joint.subject, message, line=limit.line, value=text)
+        yield make_finding("units-angle", joint.subject, message, line=limit.line, value=text)
     if joint.kind == "prismatic" and any(_LONG < abs(x) < _UNLIMITED for x in (limit.lower, limit.upper)):
         message = f"limits {text} m are more than {_LONG:g} m from zero: are they in millimetres?"
-        yield found("units-length", joint.subject, message, line=limit.line, value=text)
+        yield make_finding("units-length", joint.subject, message, line=limit.line, value=text)
     sizes = {"effort": limit.effort, "velocity": limit.velocity}
     for code, what, named in (
         ("effort-zero", "is zero", [name for name in sizes if sizes[name] == 0.0]),
@@ -62,7 +62,7 @@ def _limits(joint: Joint) -> Iterator[Finding]:
     ):
         if named:
             drive = ": the joint has no drive" if code == "effort-zero" and "effort" in named else ""
-            yield found(code, joint.subject, f"limit of {' and '.join(named)} {what}{drive}", line=limit.line)
+            yield make_finding(code, joint.subject, f"limit of {' and '.join(named)} {what}{drive}", line=limit.line)
 
 
 def _zero(joint: Joint, limit: Limit) -> Iterator[Finding]:
@@ -70,7 +70,7 @@ def _zero(joint: Joint, limit: Limit) -> Iterator[Finding]:
     if limit.lower <= limit.upper and excess > _ROUNDING:
         size = f"{excess:.3g} m" if joint.kind == "prismatic" else f"{excess:.3g} rad ({math.degrees(excess):.3g} deg)"
         message = f"zero lies {size} outside its limits {limit.lower:g} to {limit.upper:g}"
-        yield found("zero-outside-limits", joint.subject, message, line=limit.line, value=f"{excess:.6g}")
+        yield make_finding("zero-outside-limits", joint.subject, message, line=limit.line, value=f"{excess:.6g}")
 
 
 def _mimic(description: Description, joint: Joint, mimic: Mimic, *, free_mimic: bool) -> Finding:
@@ -78,10 +78,12 @@ def _mimic(description: Description, joint: Joint, mimic: Mimic, *, free_mimic: 
     if free_mimic:
         message = f"mimics '{of}' in the file and is an independent joint here: the coupling is not enforced"
         remedy = f"Keep to positions in which it follows '{of}', or make the joint fixed."
-        return found("mimic-freed", joint.subject, message, remedy=remedy, line=mimic.line, value=of)
+        return make_finding("mimic-freed", joint.subject, message, remedy=remedy, line=mimic.line, value=of)
     if of not in description.joint or of == joint.name:
         movable = (one.name for one in description.joints if one.kind != "fixed")
         near = "" if of == joint.name else closest(of, movable)
         message = f"mimics '{of}', which is no other joint of the file{near}"
-        return found("mimic-unknown", joint.subject, message, line=mimic.line, value=of)
-    return found("mimic", joint.subject, f"mimics '{of}': the coupling cannot be kept", line=mimic.line, value=of)
+        return make_finding("mimic-unknown", joint.subject, message, line=mimic.line, value=of)
+    return make_finding(
+        "mimic", joint.subject, f"mimics '{of}': the coupling cannot be kept", line=mimic.line, value=of
+    )

@@ -10,7 +10,7 @@ import numpy as np
 from ospace.kernels.tree import Floats
 from ospace.urdf.bodies import Body, placement, tensor_of
 from ospace.urdf.description import Description, Inertial, Link, Pose, Shape
-from ospace.urdf.findings import Finding, found
+from ospace.urdf.lint.findings import Finding, make_finding
 
 _FAR = 100.0  # m: the International Space Station is 109 m wide, its arm 17 m long
 _ONE_TURN = 2.0 * math.pi * (1.0 + 1e-3)  # rad: 6.2832 is one, rounded
@@ -34,12 +34,12 @@ def of_links(description: Description) -> Iterator[Finding]:
             if shapes:
                 yield from _against_shape(link, inertial, shapes)
         if shapes and (size := float(np.ptp(_box(shapes), axis=0).max())) > _FAR:
-            yield found("units-length", link.subject, f"its shape is {size:g} m large", line=shapes[0].line)
+            yield make_finding("units-length", link.subject, f"its shape is {size:g} m large", line=shapes[0].line)
     for joint in description.joints:
         yield from _turn(joint.subject, joint.pose, joint.line)
         if (length := math.hypot(*joint.pose.xyz)) > _FAR:
             message = f"lies {length:g} m from the origin of link '{joint.parent}'"
-            yield found("units-length", joint.subject, message, line=joint.line, value=f"{length:g}")
+            yield make_finding("units-length", joint.subject, message, line=joint.line, value=f"{length:g}")
 
 
 def of_bodies(bodies: Sequence[Body]) -> Iterator[Finding]:
@@ -47,25 +47,25 @@ def of_bodies(bodies: Sequence[Body]) -> Iterator[Finding]:
     base, rest = bodies[0].mass, sum(body.mass for body in bodies[1:])
     if base > 0.0 and rest > 0.0 and not _LIGHTEST_ARM <= rest / base <= _HEAVIEST_ARM:
         message = f"the base has {base:g} kg, and all that hangs from it {rest:g} kg"
-        yield found("mass-ratio", f"link '{bodies[0].link.name}'", message, value=f"{rest / base:g}")
+        yield make_finding("mass-ratio", f"link '{bodies[0].link.name}'", message, value=f"{rest / base:g}")
 
 
 def _turn(subject: str, pose: Pose, line: int | None) -> Iterator[Finding]:
     if max(map(abs, pose.rpy)) > _ONE_TURN:
         angles = " ".join(f"{angle:g}" for angle in pose.rpy)
         message = f"rpy '{angles}' of its <origin> is more than a turn: is it in degrees?"
-        yield found("units-angle", subject, message, line=line, value=angles)
+        yield make_finding("units-angle", subject, message, line=line, value=angles)
 
 
 def _units(link: Link, inertial: Inertial) -> Iterator[Finding]:
     away = math.hypot(*inertial.pose.xyz)
     if away > _FAR:
         message = f"its centre of mass is {away:g} m from its origin"
-        yield found("units-length", link.subject, message, line=inertial.line, value=f"{away:g}")
+        yield make_finding("units-length", link.subject, message, line=inertial.line, value=f"{away:g}")
     gyration = _gyration(inertial)
     if gyration > _FAR:
         message = f"its radius of gyration is {gyration:g} m"
-        yield found("units-inertia", link.subject, message, line=inertial.line, value=f"{gyration:g}")
+        yield make_finding("units-inertia", link.subject, message, line=inertial.line, value=f"{gyration:g}")
 
 
 def _against_shape(link: Link, inertial: Inertial, shapes: Sequence[Shape]) -> Iterator[Finding]:
@@ -77,9 +77,9 @@ def _against_shape(link: Link, inertial: Inertial, shapes: Sequence[Shape]) -> I
     gyration = _gyration(inertial)
     compared = f"radius of gyration {gyration:.4g} m, farthest reach of its shape {reach:.4g} m"
     if gyration > _GYRATION_OVER_REACH * reach:
-        yield found("gyration-large", link.subject, compared, line=line, value=f"{gyration:.4g}")
+        yield make_finding("gyration-large", link.subject, compared, line=line, value=f"{gyration:.4g}")
     elif 0.0 < gyration < reach / _REACH_OVER_GYRATION:
-        yield found("gyration-small", link.subject, compared, line=line, value=f"{gyration:.4g}")
+        yield make_finding("gyration-small", link.subject, compared, line=line, value=f"{gyration:.4g}")
     roles = [[shape for shape in shapes if shape.role == role] for role in ("visual", "collision")]
     solid = max(sum(map(_volume, of_role)) for of_role in roles)
     whole = float(np.prod(box[1] - box[0]))  # shapes may be no more than the corners of a link
@@ -87,11 +87,11 @@ def _against_shape(link: Link, inertial: Inertial, shapes: Sequence[Shape]) -> I
         volume = solid if inertial.mass < _THINNEST * solid else whole
         density = inertial.mass / volume
         message = f"{inertial.mass:g} kg in {volume:.4g} m³: {density:.4g} kg/m³"
-        yield found("density", link.subject, message, line=line, value=f"{density:.4g}")
+        yield make_finding("density", link.subject, message, line=line, value=f"{density:.4g}")
     outside = float(np.linalg.norm(np.maximum(0.0, np.maximum(box[0] - centre, centre - box[1]))))
     if outside > 0.5 * diagonal:
         message = f"its centre of mass lies {outside:.4g} m outside its shape"
-        yield found("centre-outside", link.subject, message, line=line, value=f"{outside:.4g}")
+        yield make_finding("centre-outside", link.subject, message, line=line, value=f"{outside:.4g}")
 
 
 def _gyration(inertial: Inertial) -> float:

@@ -10,9 +10,9 @@ import pinocchio as pin
 
 from ospace.kernels.tree import Floats
 from ospace.urdf.bodies import Body, tensor_of
-from ospace.urdf.codes import Severity
 from ospace.urdf.description import Link
-from ospace.urdf.findings import Finding, any_error, found
+from ospace.urdf.lint.findings import Finding, any_error, make_finding
+from ospace.urdf.lint.rules import Severity
 
 ROUNDED = 1e-4
 """Share of the largest moment up to which a violation is one of digits that were lost."""
@@ -83,10 +83,12 @@ def _of_bodies(bodies: Sequence[Moving], unsound: bool = False) -> list[Finding]
         elif beyond[k] == 0.0:
             message = "the joint moves links without any mass, so the joint-space inertia is singular"
             remedy = f"Give link '{body.link}' an <inertial>, or make the joint fixed."
-            findings.append(found("massless-subtree", f"joint '{body.joint}'", message, remedy=remedy, line=body.line))
+            findings.append(
+                make_finding("massless-subtree", f"joint '{body.joint}'", message, remedy=remedy, line=body.line)
+            )
         elif body.mass == 0.0:
             message = f"the body on joint '{body.joint}' has no mass of its own"
-            findings.append(found("massless-link", f"link '{body.link}'", message, line=body.line))
+            findings.append(make_finding("massless-link", f"link '{body.link}'", message, line=body.line))
     return findings
 
 
@@ -94,14 +96,14 @@ def _of_base(base: Moving, *, alone: bool) -> Iterator[Finding]:
     subject = f"link '{base.link}'"
     if base.mass == 0.0:
         message = "the base, with all that is fixed to it, has no mass, so it could not float freely"
-        yield found("massless-base", subject, message, line=base.line)
+        yield make_finding("massless-base", subject, message, line=base.line)
         return
     if alone:
         smallest, _, largest = np.linalg.eigvalsh(base.tensor)
         if smallest <= 1e-12 * largest:
             message = "the only body has no rotational inertia about an axis, so nothing resists a torque about it"
             remedy = "Give its <inertia> three positive principal moments."
-            yield found("massless-base", subject, message, remedy=remedy, line=base.line)
+            yield make_finding("massless-base", subject, message, remedy=remedy, line=base.line)
 
 
 def _of_link(link: Link, *, merged: bool) -> Iterator[Finding]:
@@ -111,15 +113,17 @@ def _of_link(link: Link, *, merged: bool) -> Iterator[Finding]:
     tensor, line, subject = tensor_of(inertial), inertial.line, link.subject
     yield from _of_tensor(subject, inertial.mass, np.array(inertial.pose.xyz), tensor, line, merged=merged)
     if inertial.mass == 0.0 and tensor.any():
-        yield found("inertia-without-mass", subject, "has rotational inertia and no mass", line=line)
+        yield make_finding("inertia-without-mass", subject, "has rotational inertia and no mass", line=line)
     if inertial.mass > 0.0 and not tensor.any():
         message = f"{inertial.mass:g} kg in one point: the tensor is zero"
-        yield found("point-mass", subject, message, line=line)
+        yield make_finding("point-mass", subject, message, line=line)
     if np.array_equal(tensor, np.eye(3)):
-        yield found("inertia-identity", subject, "the tensor is the unit matrix, the default of exporters", line=line)
+        yield make_finding(
+            "inertia-identity", subject, "the tensor is the unit matrix, the default of exporters", line=line
+        )
     if _about_origin(inertial.mass, np.array(inertial.pose.xyz), tensor):
         message = "the tensor looks like one about the link's origin, not the centre of mass"
-        yield found("inertia-about-origin", subject, message, line=line)
+        yield make_finding("inertia-about-origin", subject, message, line=line)
 
 
 def _of_tensor(
@@ -128,10 +132,10 @@ def _of_tensor(
     """Look at one mass and tensor about its centre; a link that is `merged` may lean on its neighbours."""
     if not np.isfinite(np.r_[mass, centre, tensor.ravel()]).all():
         message = "mass, centre of mass or inertia is not finite"
-        return [found("inertia-not-finite", subject, message, line=line)]
+        return [make_finding("inertia-not-finite", subject, message, line=line)]
     if mass < 0.0:
         message = f"mass {mass:.6g} kg is negative"
-        return [found("negative-mass", subject, message, line=line, value=repr(mass))]
+        return [make_finding("negative-mass", subject, message, line=line, value=repr(mass))]
     code, share = judge(mass, tensor)
     if not code:
         return []
@@ -139,14 +143,14 @@ def _of_tensor(
     if code == "inertia-indefinite":
         message = f"its tensor about the centre of mass has the negative principal moment {moments[0]:.6g} kg m²"
         severity: Severity = "warning" if merged else "error"
-        return [found(code, subject, message, severity=severity, line=line, value=f"{moments[0]:.6g}")]
+        return [make_finding(code, subject, message, severity=severity, line=line, value=f"{moments[0]:.6g}")]
     named = ", ".join(f"{moment:.6g}" for moment in moments)
     message = (
         f"principal moments {named} kg m² violate the triangle inequality by {share:.2g} of the largest: "
         f"no distribution of mass has them"
     )
     severity = "error" if share > _GROSS and not merged else "warning"
-    return [found(code, subject, message, severity=severity, line=line, value=f"{moments[2]:.6g}")]
+    return [make_finding(code, subject, message, severity=severity, line=line, value=f"{moments[2]:.6g}")]
 
 
 def judge(mass: float, tensor: Floats) -> tuple[str, float]:

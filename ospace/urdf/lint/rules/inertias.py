@@ -1,9 +1,9 @@
 """Masses and inertias, of links and of the bodies that fixed joints make of them."""
 
-from ospace.urdf.codes.code import Code
+from ospace.urdf.lint.rules.rule import Rule
 
 INERTIAS = (
-    Code(
+    Rule(
         name="massless-base",
         severity="error",
         summary="The base, with all that is fixed to it, has no mass; or the robot is one body that nothing keeps from "
@@ -13,7 +13,7 @@ INERTIAS = (
         "link that stands for the world belongs out of the file, or on a floating joint.",
         example='<link name="base"/>',
     ),
-    Code(
+    Rule(
         name="massless-subtree",
         severity="error",
         summary="A joint moves links that have no mass at all.",
@@ -21,7 +21,7 @@ INERTIAS = (
         remedy="Give one of the links beyond it an <inertial>, or make the joint fixed.",
         example='<joint name="hinge" type="revolute">…<child link="hand"/></joint><link name="hand"/>',
     ),
-    Code(
+    Rule(
         name="massless-link",
         severity="info",
         summary="A moving body has no mass of its own, though what hangs from it has.",
@@ -29,7 +29,7 @@ INERTIAS = (
         remedy="Nothing, if it is meant; else give it an <inertial>.",
         example='<link name="ring"/> between two joints',
     ),
-    Code(
+    Rule(
         name="negative-mass",
         severity="error",
         summary="The mass of a link is negative.",
@@ -37,7 +37,7 @@ INERTIAS = (
         remedy="Give it a positive mass.",
         example='<mass value="-1"/>',
     ),
-    Code(
+    Rule(
         name="inertial-unreadable",
         severity="error",
         summary="A part or number of <inertial> is missing or cannot be read.",
@@ -45,7 +45,7 @@ INERTIAS = (
         remedy="Give <mass value=…>, and <inertia> with ixx, ixy, ixz, iyy, iyz, izz, as plain finite numbers.",
         example='<mass value="12 kg"/>',
     ),
-    Code(
+    Rule(
         name="inertia-asymmetric",
         severity="error",
         summary="<inertia> has iyx, izx or izy, and it is not ixy, ixz or iyz, beyond 1e-6 of the largest number.",
@@ -53,7 +53,7 @@ INERTIAS = (
         remedy="Keep ixy, ixz and iyz alone.",
         example='<inertia ixy="0" iyx="3" …/>',
     ),
-    Code(
+    Rule(
         name="inertia-not-finite",
         severity="error",
         summary="Mass, centre of mass or tensor of a model built in code is NaN or infinite.",
@@ -61,7 +61,7 @@ INERTIAS = (
         remedy="Give finite numbers.",
         example="model.inertias[1].lever[0] = nan",
     ),
-    Code(
+    Rule(
         name="inertia-indefinite",
         severity="error",
         summary="The tensor about the centre of mass has a negative principal moment, beyond rounding (1e-13 of the "
@@ -73,7 +73,7 @@ INERTIAS = (
         example='<inertia ixx="-0.1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>',
         fixable=True,
     ),
-    Code(
+    Rule(
         name="inertia-triangle",
         severity="warning",
         summary="One principal moment exceeds the sum of the other two by more than 1e-4 of it. An error where it is "
@@ -82,7 +82,7 @@ INERTIAS = (
         remedy="Correct the tensor: look for a swapped row, a wrong unit, or a tensor about another point.",
         example='<inertia ixx="1" iyy="1" izz="3" ixy="0" ixz="0" iyz="0"/>',
     ),
-    Code(
+    Rule(
         name="inertia-rounding",
         severity="warning",
         summary="One principal moment exceeds the sum of the other two by 1e-9 to 1e-4 of it.",
@@ -91,7 +91,7 @@ INERTIAS = (
         example='<inertia ixx="1" iyy="1" izz="2.00001" ixy="0" ixz="0" iyz="0"/>',
         fixable=True,
     ),
-    Code(
+    Rule(
         name="inertia-identity",
         severity="warning",
         summary="The tensor is the unit matrix.",
@@ -101,7 +101,7 @@ INERTIAS = (
         remedy="Compute the tensor from the shape.",
         example='<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>',
     ),
-    Code(
+    Rule(
         name="inertia-without-mass",
         severity="warning",
         summary="A link has a tensor and no mass.",
@@ -109,7 +109,7 @@ INERTIAS = (
         remedy="Give it its mass, or remove the <inertial>.",
         example='<mass value="0"/><inertia ixx="1" …/>',
     ),
-    Code(
+    Rule(
         name="inertia-about-origin",
         severity="info",
         summary="The tensor looks like one about the link's origin instead of the centre of mass.",
@@ -117,7 +117,7 @@ INERTIAS = (
         remedy="Compare with the program that computed it: URDF wants the tensor about the centre of mass.",
         example='<origin xyz="0.5 0 0"/><mass value="1"/><inertia ixx="0.01" iyy="0.26" izz="0.26" …/>',
     ),
-    Code(
+    Rule(
         name="point-mass",
         severity="info",
         summary="A link has mass and a tensor of zero.",

@@ -11,7 +11,7 @@ import pytest
 import yourdfpy
 
 import ospace
-from ospace.urdf import inertia as inertias
+from ospace.urdf.lint import inertia as inertias
 from ospace.validation import report
 
 LIMIT = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'

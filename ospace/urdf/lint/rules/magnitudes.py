@@ -1,9 +1,9 @@
 """Numbers that can be computed with and are hardly meant."""
 
-from ospace.urdf.codes.code import Code
+from ospace.urdf.lint.rules.rule import Rule
 
-PLAUSIBILITY = (
-    Code(
+MAGNITUDES = (
+    Rule(
         name="gyration-large",
         severity="warning",
         summary="The radius of gyration of a link is more than twice the farthest reach of its shape.",
@@ -12,7 +12,7 @@ PLAUSIBILITY = (
         remedy="Compute the tensor from the shape, in kg m²; one in kg mm² is a million times too large.",
         example='<inertia ixx="9" iyy="9" izz="9" …/> on a sphere of 0.1 m and 1 kg',
     ),
-    Code(
+    Rule(
         name="gyration-small",
         severity="warning",
         summary="The radius of gyration of a link is less than a fiftieth of the reach of its shape.",
@@ -20,7 +20,7 @@ PLAUSIBILITY = (
         remedy="Compute the tensor from the shape, in kg m²; one in t mm² is a thousand times too small.",
         example='<inertia ixx="1e-9" iyy="1e-9" izz="1e-9" …/> on a sphere of 0.1 m and 1 kg',
     ),
-    Code(
+    Rule(
         name="density",
         severity="warning",
         summary="A link has more than 25,000 kg/m³ in the box around its shape, or less than 0.1 kg/m³ in its shape.",
@@ -30,7 +30,7 @@ PLAUSIBILITY = (
         remedy="Write masses in kg and lengths in m.",
         example='<mass value="4000"/> on a sphere of 0.1 m',
     ),
-    Code(
+    Rule(
         name="centre-outside",
         severity="warning",
         summary="The centre of mass lies outside the box around the link's shape, by more than half its diagonal.",
@@ -38,7 +38,7 @@ PLAUSIBILITY = (
         remedy="Give the <origin> of the <inertial> in the link's frame, in m.",
         example='<inertial><origin xyz="100 0 0"/>…</inertial> on a sphere of 0.1 m',
     ),
-    Code(
+    Rule(
         name="units-length",
         severity="warning",
         summary="A joint or a centre of mass lies more than 100 m from the origin of its link, or a shape is that "
@@ -47,7 +47,7 @@ PLAUSIBILITY = (
         remedy="Write lengths in m.",
         example='<origin xyz="300 0 0"/>',
     ),
-    Code(
+    Rule(
         name="units-inertia",
         severity="warning",
         summary="The radius of gyration of a link is more than 100 m.",
@@ -55,7 +55,7 @@ PLAUSIBILITY = (
         remedy="Write tensors in kg m².",
         example='<mass value="2"/><inertia ixx="1e6" iyy="1e6" izz="1e6" …/>',
     ),
-    Code(
+    Rule(
         name="units-angle",
         severity="warning",
         summary="The limit of a revolute joint is more than two turns (4π) from zero, or the rpy of a joint or an "
@@ -64,7 +64,7 @@ PLAUSIBILITY = (
         remedy="Write angles in rad.",
         example='<limit lower="-180" upper="180" …/>',
     ),
-    Code(
+    Rule(
         name="mass-ratio",
         severity="warning",
         summary="All other bodies together have more than 100 times the mass of the base, or less than a millionth "

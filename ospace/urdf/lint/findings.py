@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from ospace.exceptions import printable
-from ospace.urdf.codes import CODES, Severity
+from ospace.urdf.lint.rules import RULES, Severity
 
 _GRAVITY = ("error", "warning", "info")
 
@@ -55,7 +55,7 @@ class Finding:
         return asdict(self)
 
 
-def found(
+def make_finding(
     code: str,
     subject: str,
     message: str,
@@ -66,7 +66,7 @@ def found(
     value: str | None = None,
 ) -> Finding:
     """Make a finding; severity and remedy are those of its code unless given."""
-    known = CODES[code]
+    known = RULES[code]
     subject, message, remedy = map(printable, (subject, message, remedy or known.remedy))
     return Finding(code, severity or known.severity, subject, message, remedy, line, value)
 

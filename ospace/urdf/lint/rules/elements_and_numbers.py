@@ -1,9 +1,9 @@
 """Elements and numbers that do not say what they seem to."""
 
-from ospace.urdf.codes.code import Code
+from ospace.urdf.lint.rules.rule import Rule
 
-VALUES = (
-    Code(
+ELEMENTS_AND_NUMBERS = (
+    Rule(
         name="number-unreadable",
         severity="error",
         summary="A number of a joint is missing or none: nan, 1e400, 0x10, '12 kg', a decimal comma, too few or too "
@@ -12,7 +12,7 @@ VALUES = (
         remedy="Write plain finite decimal numbers, as many as are due, with a point and without units.",
         example='<origin xyz="0,3 0 0"/>',
     ),
-    Code(
+    Rule(
         name="number-spaces",
         severity="warning",
         summary="White space surrounds a number; it is read as meant. For lists of numbers an info only.",
@@ -22,7 +22,7 @@ VALUES = (
         example='<inertia ixx="0.010 " …/>',
         fixable=True,
     ),
-    Code(
+    Rule(
         name="number-range",
         severity="error",
         summary="A mass, length or inertia has a size of more than 1e12, or an inertia is not zero and smaller than "
@@ -32,7 +32,7 @@ VALUES = (
         remedy="Use kg, m and kg m², and write 0 for nothing. 1e12 kg is a mountain, 1e-15 kg a bacterium.",
         example='<mass value="1e300"/>',
     ),
-    Code(
+    Rule(
         name="two-orientations",
         severity="error",
         summary="An <origin> has both rpy and quat_xyzw.",
@@ -40,7 +40,7 @@ VALUES = (
         remedy="Keep one.",
         example='<origin rpy="0 0 0" quat_xyzw="0 0 0.6 0.8"/>',
     ),
-    Code(
+    Rule(
         name="quaternion-not-unit",
         severity="warning",
         summary="The length of a quaternion differs from one by more than 1e-3. It is divided by its length.",
@@ -49,7 +49,7 @@ VALUES = (
         example='<origin quat_xyzw="1 0 0 1"/>',
         fixable=True,
     ),
-    Code(
+    Rule(
         name="quaternion-ignored",
         severity="warning",
         summary="An <origin> has quat_xyzw in a file of URDF 1.0, which knows none. It is not used.",
@@ -57,7 +57,7 @@ VALUES = (
         remedy='Declare the version, <robot version="1.1">, or write the orientation as rpy.',
         example='<robot name="r"> and <origin quat_xyzw="0 0 0.6 0.8"/>',
     ),
-    Code(
+    Rule(
         name="unknown-version",
         severity="warning",
         summary="<robot> declares a version other than 1.0, 1.1 and 1.2. The file is read as 1.2.",
@@ -65,7 +65,7 @@ VALUES = (
         remedy="Declare the version that the file is written in.",
         example='<robot name="r" version="2.0">',
     ),
-    Code(
+    Rule(
         name="duplicate-element",
         severity="error",
         summary="An element that may stand once stands twice, as <inertial> in a link or <origin> in a joint.",
@@ -73,7 +73,7 @@ VALUES = (
         remedy="Keep one.",
         example="<link><inertial/><inertial/></link>",
     ),
-    Code(
+    Rule(
         name="unknown-element",
         severity="warning",
         summary="An element of the robot has in it one that URDF does not know there; an info in a robot, link or "
@@ -85,7 +85,7 @@ VALUES = (
         "elements of a namespace of their own are left alone, but for what they say of dynamics (dynamics-not-used).",
         example="<inertail>…</inertail>",
     ),
-    Code(
+    Rule(
         name="unknown-attribute",
         severity="warning",
         summary="An element has an attribute that URDF does not know there. An info where its name is far from any "
@@ -95,7 +95,7 @@ VALUES = (
         remedy="Correct its name or its place.",
         example='<origin xzy="0 0 1"/>',
     ),
-    Code(
+    Rule(
         name="dynamics-not-used",
         severity="warning",
         summary="An element that URDF leaves to other programs speaks of dynamics: rotor inertia or gear in a "
@@ -106,7 +106,7 @@ VALUES = (
         "inertia times the square of its gear is model.armature of a model given to SpaceRobot.from_model.",
         example="<transmission>…<rotor_inertia value='1e-4'/>",
     ),
-    Code(
+    Rule(
         name="stray-text",
         severity="warning",
         summary="Text stands in an element; URDF has all that it says in attributes.",
@@ -114,7 +114,7 @@ VALUES = (
         remedy="Write it as an attribute, as in <origin xyz='0 0 1'/>, or as a comment.",
         example="<origin>0 0 1</origin>",
     ),
-    Code(
+    Rule(
         name="visual-unreadable",
         severity="warning",
         summary="A <visual>, <collision> or <material> cannot be read.",
@@ -122,7 +122,7 @@ VALUES = (
         remedy="Write plain finite numbers.",
         example='<color rgba="red"/>',
     ),
-    Code(
+    Rule(
         name="no-robot-name",
         severity="warning",
         summary="<robot> has no name; the robot is called as its file.",
@@ -130,7 +130,7 @@ VALUES = (
         remedy='Give it one: <robot name="chaser">.',
         example="<robot>",
     ),
-    Code(
+    Rule(
         name="original-differs",
         severity="error",
         summary="Pinocchio reads another robot from the file as it stands: a mass, centre, inertia, placement, axis, "
@@ -139,7 +139,7 @@ VALUES = (
         remedy="Look at what is named in the file; please report it, as no such file is known.",
         example="none is known",
     ),
-    Code(
+    Rule(
         name="original-rejected",
         severity="info",
         summary="Pinocchio's own parser rejects the file, for a reason that no finding gives.",
@@ -147,7 +147,7 @@ VALUES = (
         remedy="As the message says.",
         example="<visual><geometry><cone/></geometry></visual> is one of them",
     ),
-    Code(
+    Rule(
         name="parser-error",
         severity="error",
         summary="Pinocchio's parser complained on standard error and built a model all the same.",

@@ -1,9 +1,9 @@
 """Files of shapes. None of these costs more than the one mesh."""
 
-from ospace.urdf.codes.code import Code
+from ospace.urdf.lint.rules.rule import Rule
 
-MESHES = (
-    Code(
+MESH_FILES = (
+    Rule(
         name="mesh-missing",
         severity="warning",
         summary="The file of a mesh is not there, or <mesh> has no filename.",
@@ -11,7 +11,7 @@ MESHES = (
         remedy="Correct the name, or give the folder that holds its package: --package-dir DIR.",
         example='<mesh filename="no_such.stl"/>',
     ),
-    Code(
+    Rule(
         name="mesh-unreadable",
         severity="warning",
         summary="The file of a mesh is no regular file, is empty or cut off, or may not be read.",
@@ -19,7 +19,7 @@ MESHES = (
         remedy="Write the file again.",
         example="an STL of 40 bytes",
     ),
-    Code(
+    Rule(
         name="mesh-outside",
         severity="warning",
         summary="A mesh lies outside the folder of the URDF and the folders given. It is not opened.",
@@ -27,7 +27,7 @@ MESHES = (
         remedy="Give its folder: --package-dir DIR.",
         example='<mesh filename="../../../etc/passwd"/>',
     ),
-    Code(
+    Rule(
         name="mesh-remote",
         severity="warning",
         summary="A mesh is named by an address on a network, or by a scheme that is not known. It is not fetched.",
@@ -35,7 +35,7 @@ MESHES = (
         remedy="Download it and name the file.",
         example='<mesh filename="https://example.org/arm.stl"/>',
     ),
-    Code(
+    Rule(
         name="mesh-scale",
         severity="warning",
         summary="The scale of a mesh has a zero or a negative number.",
@@ -43,7 +43,7 @@ MESHES = (
         remedy="Give positive numbers; mirror the mesh itself.",
         example='<mesh filename="arm.stl" scale="1 -1 1"/>',
     ),
-    Code(
+    Rule(
         name="mesh-not-looked-up",
         severity="info",
         summary="Meshes are named by package://, and no folder was given to look them up in; or there are more than "

@@ -1,9 +1,9 @@
 """What the sampled states of `ospace check` show."""
 
-from ospace.urdf.codes.code import Code
+from ospace.urdf.lint.rules.rule import Rule
 
-DYNAMICS = (
-    Code(
+SAMPLED_STATES = (
+    Rule(
         name="singular-inertia",
         severity="error",
         summary="A joint carries no inertia in a sampled state.",
@@ -12,7 +12,7 @@ DYNAMICS = (
         remedy="Give the links beyond it mass and inertia, or make the joint fixed.",
         example="two coaxial joints with a massless link between them",
     ),
-    Code(
+    Rule(
         name="not-computable",
         severity="error",
         summary="A quantity of a sampled state cannot be computed for another reason than one joint.",
@@ -20,7 +20,7 @@ DYNAMICS = (
         remedy="Look for links without inertia about an axis, and for masses or lengths in other units than kg and m.",
         example="two point masses on a prismatic joint",
     ),
-    Code(
+    Rule(
         name="second-reader",
         severity="warning",
         summary="yourdfpy, the second reader of the file, rejects it.",
@@ -28,7 +28,7 @@ DYNAMICS = (
         remedy="Compare the file with the URDF specification: another reader may stumble where yourdfpy does.",
         example="an element that yourdfpy cannot parse",
     ),
-    Code(
+    Rule(
         name="smallest-inertia",
         severity="info",
         summary="Smallest eigenvalue of H over the sampled states, its diagonal scaled to one. A warning below 1e-9.",
@@ -36,7 +36,7 @@ DYNAMICS = (
         remedy="Look for last links of next to no inertia behind long arms.",
         example="a finger of a milligram at the end of an arm",
     ),
-    Code(
+    Rule(
         name="base-condition",
         severity="info",
         summary="Condition of H_b over the sampled states, with lengths in units of the robot's radius of gyration. A "
@@ -45,7 +45,7 @@ DYNAMICS = (
         remedy="Look for a base that is nearly a line, or masses in different units.",
         example="a thin rod as the only massive body",
     ),
-    Code(
+    Rule(
         name="point-rank",
         severity="info",
         summary="The generalized Jacobian of an operational point has fewer independent rows than the point takes.",
@@ -53,7 +53,7 @@ DYNAMICS = (
         remedy="Take fewer rows of the point, or actuate the base too.",
         example="six rows of a hand on an arm of two joints",
     ),
-    Code(
+    Rule(
         name="dynamic-singularity",
         severity="info",
         summary="How near J* of an operational point comes to a dynamic singularity over the sampled states: its "

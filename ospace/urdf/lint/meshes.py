@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ospace.exceptions import OspaceError
 from ospace.urdf.description import Description, Link, Shape
-from ospace.urdf.findings import Finding, found
+from ospace.urdf.lint.findings import Finding, make_finding
 
 MOST = 1000  # files that are looked for
 _STL_HEADER, _STL_FACET = 84, 50  # bytes
@@ -85,18 +85,18 @@ def of_shapes(description: Description, urdf: Path, package_dirs: Sequence[Path]
                 if error.code == "mesh-not-looked-up":
                     not_looked_up.setdefault(shape.filename, shape)
                 else:
-                    yield found(error.code, link.subject, str(error), line=shape.line, value=shape.filename)
+                    yield make_finding(error.code, link.subject, str(error), line=shape.line, value=shape.filename)
     if not_looked_up:
         first = next(iter(not_looked_up))
         message = f"{len(not_looked_up)} meshes were not looked for, the first '{first}'"
-        yield found("mesh-not-looked-up", "file", message, line=not_looked_up[first].line, value=first)
+        yield make_finding("mesh-not-looked-up", "file", message, line=not_looked_up[first].line, value=first)
 
 
 def _scale(link: Link, shape: Shape) -> Iterator[Finding]:
     if min(shape.size) <= 0.0:
         scale = " ".join(f"{factor:g}" for factor in shape.size)
         message = f"'{shape.filename}' has the scale {scale}"
-        yield found("mesh-scale", link.subject, message, line=shape.line, value=scale)
+        yield make_finding("mesh-scale", link.subject, message, line=shape.line, value=scale)
 
 
 def _check_whole(path: Path, filename: str) -> None:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from ospace.exceptions import OspaceError, closest
-from ospace.urdf.codes import CODES, GROUPS, Code
+from ospace.urdf.lint.rules import GROUPS, RULES, Rule
 
 _INTRODUCTION = """\
 # Findings
 
 Every finding of [`ospace check`](check.md), and every reason to refuse a file, by its code. Codes are stable. The page
-is written from `ospace/urdf/codes/`; `ospace check --explain CODE` prints one entry.
+is written from `ospace/urdf/lint/rules/`; `ospace check --explain CODE` prints one entry.
 
 - **error**: the model has no sound dynamics. `SpaceRobot.from_urdf` raises `UnsoundModelError` with all findings, the
   command ends with status 1.
@@ -30,9 +30,9 @@ def text(name: str) -> str:
     OspaceError
         There is no such code.
     """
-    if name not in CODES:
-        raise OspaceError(f"there is no code '{name}'{closest(name, CODES)}")
-    code = CODES[name]
+    if name not in RULES:
+        raise OspaceError(f"there is no code '{name}'{closest(name, RULES)}")
+    code = RULES[name]
     return (
         f"{code.name} ({level(code)})\n{code.summary}\n\n"
         f"Example  {code.example}\nReason   {code.reason}\nRemedy   {code.remedy}\n"
@@ -52,7 +52,7 @@ def page() -> str:
     return "".join(parts)
 
 
-def level(code: Code) -> str:
+def level(code: Rule) -> str:
     """Return the severity of a code, and whether it can be repaired."""
     gravity = "refused" if code.unreadable else code.severity
     return f"{gravity}, repaired by --fix" if code.fixable else gravity

@@ -11,8 +11,8 @@ import pytest
 
 import ospace
 from ospace.cli.main import main
-from ospace.urdf import explain
-from ospace.urdf.codes import CODES, GROUPS
+from ospace.urdf.lint import explain
+from ospace.urdf.lint.rules import GROUPS, RULES
 
 ROOT = Path(ospace.__file__).parents[1]
 
@@ -24,14 +24,14 @@ def test_the_page_is_the_register():
 def test_the_schema_knows_every_finding():
     text = resources.files("ospace.validation").joinpath("report.schema.json").read_text(encoding="utf-8")
     known = json.loads(text)["$defs"]["finding"]["properties"]["code"]["enum"]
-    assert known == sorted(code.name for code in CODES.values() if not code.unreadable)
+    assert known == sorted(code.name for code in RULES.values() if not code.unreadable)
 
 
 def test_no_code_is_there_twice():
-    assert sum(map(len, GROUPS.values())) == len(CODES)
+    assert sum(map(len, GROUPS.values())) == len(RULES)
 
 
-@pytest.mark.parametrize("code", CODES.values(), ids=CODES)
+@pytest.mark.parametrize("code", RULES.values(), ids=RULES)
 def test_each_code_is_explained(capsys, code):
     assert main(["check", "--explain", code.name]) == 0
     out, err = capsys.readouterr()
@@ -51,7 +51,7 @@ def test_every_code_of_the_register_is_used_in_the_sources():
     """And no other: a code that nothing gives, or a finding that nothing explains, would be found here."""
     strings: set[str] = set()
     for file in (ROOT / "ospace").rglob("*.py"):
-        if "codes" not in file.parts:
+        if "rules" not in file.parts:
             tree = ast.parse(file.read_text(encoding="utf-8"))
-            strings |= {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and node.value in CODES}
-    assert CODES.keys() - strings == {"damping-negative", "friction-negative"}  # put together from the names
+            strings |= {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and node.value in RULES}
+    assert RULES.keys() - strings == {"damping-negative", "friction-negative"}  # put together from the names

@@ -9,7 +9,7 @@ Severity = Literal["error", "warning", "info"]
 
 
 @dataclass(frozen=True)
-class Code:
+class Rule:
     """One kind of finding, or one reason to refuse a file.
 
     Attributes

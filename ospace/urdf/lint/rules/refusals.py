@@ -2,9 +2,9 @@
 
 from functools import partial
 
-from ospace.urdf.codes.code import Code
+from ospace.urdf.lint.rules.rule import Rule
 
-_refused = partial(Code, severity="error", unreadable=True)
+_refused = partial(Rule, severity="error", unreadable=True)
 
 FILES = (
     _refused(

@@ -1,9 +1,9 @@
 """Joints, their axes and limits, and how the base is held."""
 
-from ospace.urdf.codes.code import Code
+from ospace.urdf.lint.rules.rule import Rule
 
-JOINTS = (
-    Code(
+JOINTS_AND_BASE = (
+    Rule(
         name="joint-type",
         severity="error",
         summary="The type of a joint is missing or unknown.",
@@ -11,7 +11,7 @@ JOINTS = (
         remedy="One of revolute, continuous, prismatic, fixed, floating, planar.",
         example='<joint name="hinge" type="ball">',
     ),
-    Code(
+    Rule(
         name="axis-zero",
         severity="error",
         summary="The axis of a joint has no length, or less than 1e-6.",
@@ -19,7 +19,7 @@ JOINTS = (
         remedy="Give it a direction of unit length.",
         example='<axis xyz="0 0 0"/>',
     ),
-    Code(
+    Rule(
         name="axis-not-unit",
         severity="warning",
         summary="The length of a joint's axis differs from one by more than 1e-3. It is read as a direction.",
@@ -28,7 +28,7 @@ JOINTS = (
         example='<axis xyz="0 0 2"/>',
         fixable=True,
     ),
-    Code(
+    Rule(
         name="planar-axis",
         severity="error",
         summary="The axis of a planar joint is not 0 0 1.",
@@ -36,7 +36,7 @@ JOINTS = (
         remedy='Turn the joint\'s <origin>, and what hangs from it back, so that the axis is <axis xyz="0 0 1"/>.',
         example='<joint name="table" type="planar">…<axis xyz="0 1 0"/></joint>',
     ),
-    Code(
+    Rule(
         name="limits-missing",
         severity="warning",
         summary="A revolute or prismatic joint has no <limit>. It is read as unlimited, with one coordinate. An info "
@@ -47,7 +47,7 @@ JOINTS = (
         example='<joint name="hinge" type="revolute"> without <limit>',
         fixable=True,
     ),
-    Code(
+    Rule(
         name="limits-reversed",
         severity="warning",
         summary="The lower limit of a joint exceeds the upper.",
@@ -55,7 +55,7 @@ JOINTS = (
         remedy="Swap them, if that is what was meant.",
         example='<limit lower="1" upper="-1" …/>',
     ),
-    Code(
+    Rule(
         name="limits-zero",
         severity="warning",
         summary="Lower and upper limit of a joint are equal, or both missing, which URDF reads as zero.",
@@ -63,7 +63,7 @@ JOINTS = (
         remedy="Give it its limits, or make it fixed.",
         example='<limit effort="10" velocity="1"/>',
     ),
-    Code(
+    Rule(
         name="effort-missing",
         severity="warning",
         summary="<limit> has no effort or no velocity. It is read as unlimited.",
@@ -72,7 +72,7 @@ JOINTS = (
         example='<limit lower="-1" upper="1"/>',
         fixable=True,
     ),
-    Code(
+    Rule(
         name="effort-zero",
         severity="info",
         summary="The limit of a joint's effort or velocity is zero.",
@@ -81,7 +81,7 @@ JOINTS = (
         remedy="Give the limit of the actuator, if there is one.",
         example='<limit lower="-1" upper="1" effort="0" velocity="0"/>',
     ),
-    Code(
+    Rule(
         name="effort-negative",
         severity="error",
         summary="The limit of a joint's effort or velocity is negative.",
@@ -89,7 +89,7 @@ JOINTS = (
         remedy="Give its size.",
         example='<limit lower="-1" upper="1" effort="-10" velocity="1"/>',
     ),
-    Code(
+    Rule(
         name="zero-outside-limits",
         severity="warning",
         summary="Position zero lies outside the limits of a joint, by the angle or length told.",
@@ -98,7 +98,7 @@ JOINTS = (
         remedy="Start from robot.neutral(), or give the joint a position.",
         example='<limit lower="0.5" upper="2" …/>',
     ),
-    Code(
+    Rule(
         name="value-not-used",
         severity="warning",
         summary="A part of <limit> or <dynamics> is not used: acceleration, deceleration and jerk; lower and upper of "
@@ -108,7 +108,7 @@ JOINTS = (
         'keep "revolute".',
         example='<joint type="continuous">…<limit lower="-1" upper="1" …/>',
     ),
-    Code(
+    Rule(
         name="damping-negative",
         severity="warning",
         summary="The damping of a joint is negative.",
@@ -116,7 +116,7 @@ JOINTS = (
         remedy="Give a positive coefficient.",
         example='<dynamics damping="-0.1"/>',
     ),
-    Code(
+    Rule(
         name="friction-negative",
         severity="error",
         summary="The friction of a joint is negative.",
@@ -124,7 +124,7 @@ JOINTS = (
         remedy="Give a positive coefficient.",
         example='<dynamics friction="-0.1"/>',
     ),
-    Code(
+    Rule(
         name="mimic",
         severity="error",
         summary="A joint mimics another.",
@@ -134,7 +134,7 @@ JOINTS = (
         remedy="Make the joint fixed, or take it as independent: --free-mimic, from_urdf(…, free_mimic=True).",
         example='<mimic joint="left_finger" multiplier="-1"/>',
     ),
-    Code(
+    Rule(
         name="mimic-freed",
         severity="warning",
         summary="A joint mimics another, known or not, and was made independent as asked for.",
@@ -142,7 +142,7 @@ JOINTS = (
         remedy="Keep to positions in which it follows the other, or make the joint fixed.",
         example='<mimic joint="left_finger" multiplier="-1"/> with --free-mimic',
     ),
-    Code(
+    Rule(
         name="mimic-unknown",
         severity="error",
         summary="A joint mimics one that does not exist, or itself.",
@@ -150,7 +150,7 @@ JOINTS = (
         remedy="Correct the name, or remove the <mimic>.",
         example='<mimic joint="no_such_joint"/>',
     ),
-    Code(
+    Rule(
         name="fixed-base",
         severity="warning",
         summary="The root link is called 'world' and the robot is fixed to it: the file describes a robot on the "
@@ -159,7 +159,7 @@ JOINTS = (
         remedy="Nothing, if it is to fly; remove the link 'world' and its joint to say so.",
         example='<link name="world"/> and a fixed joint to the base',
     ),
-    Code(
+    Rule(
         name="floating-root",
         severity="info",
         summary="The file has a floating joint of its own between a massless root link and the base.",
