@@ -7,8 +7,8 @@ import json
 import math
 from typing import TYPE_CHECKING, Any
 
-from ospace.cli import output, paper
-from ospace.cli.paper import plain
+from ospace.cli import output
+from ospace.cli.console import buffered_console, buffered_text, plain
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -100,9 +100,9 @@ def _document(result: Benchmark) -> str:
 
 
 def _text(result: Benchmark) -> str:
-    console = paper.console(_WIDTH)
+    console = buffered_console(_WIDTH)
     _show(console, result)
-    return paper.text(console)
+    return buffered_text(console)
 
 
 def _show(console: Console, result: Benchmark) -> None:

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ospace.cli import output, paper
-from ospace.cli.paper import plain
+from ospace.cli import output
+from ospace.cli.console import buffered_console, buffered_text, plain
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -183,9 +183,9 @@ def _limits(given: argparse.Namespace) -> Limits:
 
 
 def _text(result: Report, urdf: str) -> str:
-    console = paper.console(_PIPE_WIDTH, fits_terminal=True)
+    console = buffered_console(_PIPE_WIDTH, fits_terminal=True)
     _show(console, result, urdf)
-    return paper.text(console)
+    return buffered_text(console)
 
 
 def _show(console: Console, result: Report, urdf: str) -> None:

@@ -9,8 +9,8 @@ from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ospace.cli import output, paper
-from ospace.cli.paper import plain
+from ospace.cli import output
+from ospace.cli.console import buffered_console, buffered_text, plain
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -160,9 +160,9 @@ def _valid(scenario: Scenario, name: str) -> str:
 
 
 def _text(result: Run, name: str) -> str:
-    console = paper.console(_WIDTH, fits_terminal=True)
+    console = buffered_console(_WIDTH, fits_terminal=True)
     _show(console, result, name)
-    return paper.text(console)
+    return buffered_text(console)
 
 
 def _show(console: Console, result: Run, name: str) -> None:

@@ -21,15 +21,15 @@ from ospace.urdf.lint.findings import Finding, gravest_first
 from ospace.urdf.lint.rules import RULES
 from ospace.validation import words
 from ospace.validation.report import Report
-from ospace.visual import look, page
-from ospace.visual.figure import LEGENDS, TITLES, Figure, of_description
+from ospace.visual import environment, page
+from ospace.visual.meshcat_scene import MeshcatScene
 from ospace.visual.page import Label, Layer
-from ospace.visual.solids import GREY, Ball, box_corners, material
-from ospace.visual.stage import Stage
+from ospace.visual.robot_geometry import LEGENDS, TITLES, RobotGeometry, of_description
+from ospace.visual.shapes import GREY, SmoothSphere, box_corners, material
 
 COLOURS: dict[str, Colour] = {"error": (0.93, 0.13, 0.13, 1.0), "warning": (1.0, 0.62, 0.0, 1.0)}
 """Of links with findings."""
-_BACKGROUND: look.Background = "space"
+_BACKGROUND: environment.Background = "space"
 _SHOWN, _NAMES = "/shown", "names"  # node of the axes of the link that is shown, layer of names
 _MARKING = "red: errors, amber: warnings, grey: others; what is found at a joint colours the link that it carries"
 _MOST_NAMES = 12  # in the scene, gravest first
@@ -94,7 +94,7 @@ def render(report: Report, description: Description, *, urdf: str, folders: Sequ
     codes = dict.fromkeys(finding.code for finding in report.findings)
     return page.render(
         page.Content(
-            seen.stage,
+            seen.scene,
             printable(description.name),
             f"{report.verdict}: {words.summary(report)}",
             _BACKGROUND,
@@ -161,7 +161,7 @@ class Picture:
 
     Attributes
     ----------
-    stage : Stage
+    scene : MeshcatScene
         Empty but for what surrounds a robot where nothing of it can be drawn.
     layers : list of Layer
     labels : list of Label
@@ -171,7 +171,7 @@ class Picture:
         first, (16,) column by column, m.
     """
 
-    stage: Stage
+    scene: MeshcatScene
     layers: list[Layer] = field(default_factory=list)
     labels: list[Label] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -186,34 +186,34 @@ def picture(
 ) -> Picture:
     """Draw a robot, sound or not, joints at zero, with the links coloured that findings of some gravity are about."""
     marks = _marks(findings, places)
-    stage = Stage()
+    scene = MeshcatScene()
     with np.errstate(over="ignore", invalid="ignore"):  # shapes may have any size
         colours = {link: COLOURS[severity] for link, severity in marks.items()}
         if marks:  # a robot may have red and amber parts of its own
             colours = {link.name: GREY for link in description.links} | colours
-        figure = of_description(stage, "/robot", description, folders, colours)
-        at = {link: figure.rest[node] @ T for link, (node, T) in figure.links.items()}
-        corners = np.concatenate([figure.corners(figure.rest), *(at[link][:3, 3:].T for link in marks)])
-    if not marks and not any(figure.layers.values()):
+        geometry = of_description(scene, "/robot", description, folders, colours)
+        at = {link: geometry.rest[node] @ T for link, (node, T) in geometry.links.items()}
+        corners = np.concatenate([geometry.corners(geometry.rest), *(at[link][:3, 3:].T for link in marks)])
+    if not marks and not any(geometry.layers.values()):
         return _nothing("nothing of this robot can be drawn: it has neither shapes nor masses")
     if not np.abs(corners).max() < _LARGEST:
         return _nothing(f"this robot cannot be drawn: something of it is larger than {_LARGEST:g} m")
     reach = 0.5 * float(np.linalg.norm(np.ptp(corners, axis=0)))
-    look.surround(stage, _BACKGROUND, corners)
-    first = next((name for name, paths in figure.layers.items() if paths), "robot")
+    environment.surround(scene, _BACKGROUND, corners)
+    first = next((name for name, paths in geometry.layers.items() if paths), "robot")
     for link in marks:
         if not any(shape.role == "visual" for shape in description.link[link].shapes):
-            _dot(stage, figure, link, colours[link], _DOT * reach)
-    look.triad(stage, f"{_SHOWN}/axes", _AXES * reach)
-    stage.set_property(_SHOWN, "visible", False)
+            _dot(scene, geometry, link, colours[link], _DOT * reach)
+    environment.triad(scene, f"{_SHOWN}/axes", _AXES * reach)
+    scene.set_property(_SHOWN, "visible", False)
     return Picture(
-        stage,
-        _layers(stage, figure, {"robot", first}, named=bool(marks)),
-        _labels(stage, figure, marks),
-        _notes(figure, findings, marks),
+        scene,
+        _layers(scene, geometry, {"robot", first}, named=bool(marks)),
+        _labels(scene, geometry, marks),
+        _notes(geometry, findings, marks),
         {
             finding.subject: {
-                "paths": [figure.of_link(link, layer) for link in links for layer in figure.layers],
+                "paths": [geometry.of_link(link, layer) for link in links for layer in geometry.layers],
                 "at": at[links[0]].ravel(order="F").tolist(),
             }
             for finding in findings
@@ -223,9 +223,9 @@ def picture(
 
 
 def _nothing(why: str) -> Picture:
-    stage = Stage()
-    look.surround(stage, _BACKGROUND, box_corners(np.eye(4), np.ones(3)))
-    return Picture(stage, notes=[why])
+    scene = MeshcatScene()
+    environment.surround(scene, _BACKGROUND, box_corners(np.eye(4), np.ones(3)))
+    return Picture(scene, notes=[why])
 
 
 def _marks(findings: Sequence[Finding], places: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
@@ -238,44 +238,44 @@ def _marks(findings: Sequence[Finding], places: Mapping[str, tuple[str, ...]]) -
     return marks
 
 
-def _dot(stage: Stage, figure: Figure, link: str, colour: Colour, radius: float) -> None:
+def _dot(scene: MeshcatScene, geometry: RobotGeometry, link: str, colour: Colour, radius: float) -> None:
     """Put a ball at the frame of a link that has no shape to be coloured."""
-    node, T = figure.links[link]
-    path = f"{figure.of_link(link, 'robot')}/dot"
-    stage.set_object(path, Ball(radius), material(colour))
-    stage.set_transform(path, T)
-    layer = f"{figure.nodes[node]}/robot"
-    if layer not in figure.layers["robot"]:
-        figure.layers["robot"].append(layer)
+    node, T = geometry.links[link]
+    path = f"{geometry.of_link(link, 'robot')}/dot"
+    scene.set_object(path, SmoothSphere(radius), material(colour))
+    scene.set_transform(path, T)
+    layer = f"{geometry.nodes[node]}/robot"
+    if layer not in geometry.layers["robot"]:
+        geometry.layers["robot"].append(layer)
 
 
-def _layers(stage: Stage, figure: Figure, shown: Collection[str], *, named: bool) -> list[Layer]:
+def _layers(scene: MeshcatScene, geometry: RobotGeometry, shown: Collection[str], *, named: bool) -> list[Layer]:
     """Return the layers that hold something, and that of names where links have any."""
     layers = [
         Layer(name, TITLES[name], LEGENDS.get(name, ""), paths, name in shown)
-        for name, paths in figure.layers.items()
+        for name, paths in geometry.layers.items()
         if paths
     ]
     for layer in layers:
         for path in layer.paths:
-            stage.set_property(path, "visible", layer.shown)
+            scene.set_property(path, "visible", layer.shown)
     return [*layers, Layer(_NAMES, "links with findings", _MARKING, [], True)] if named else layers
 
 
-def _labels(stage: Stage, figure: Figure, marks: Mapping[str, str]) -> list[Label]:
+def _labels(scene: MeshcatScene, geometry: RobotGeometry, marks: Mapping[str, str]) -> list[Label]:
     labels = []
     for link, severity in list(marks.items())[:_MOST_NAMES]:
-        path = figure.of_link(link, "names")
-        stage.set_transform(path, figure.links[link][1])
+        path = geometry.of_link(link, "names")
+        scene.set_transform(path, geometry.links[link][1])
         labels.append(Label(f"{printable(link)}: {severity}", path, _NAMES))
     return labels
 
 
-def _notes(figure: Figure, findings: Sequence[Finding], marks: Mapping[str, str]) -> list[str]:
+def _notes(geometry: RobotGeometry, findings: Sequence[Finding], marks: Mapping[str, str]) -> list[str]:
     """Return what is to be known of the picture and not told by the findings."""
     told = {(finding.code, finding.subject) for finding in findings}
-    notes = [str(one) for one in figure.findings if (one.code, one.subject) not in told]
-    if figure.findings:
+    notes = [str(one) for one in geometry.findings if (one.code, one.subject) not in told]
+    if geometry.findings:
         notes.append("where a mesh cannot be shown, a box of the link's inertia stands in its place")
     if len(marks) > _MOST_NAMES:
         notes.append(f"{len(marks)} links are coloured; the names of {_MOST_NAMES} are shown")

@@ -14,7 +14,7 @@ from typing import Any
 
 import meshcat
 
-from ospace.visual.stage import Stage
+from ospace.visual.meshcat_scene import MeshcatScene
 
 _WEB = Path(__file__).with_name("web")
 _MESHCAT = Path(meshcat.__file__).with_name("viewer") / "dist" / "main.min.js"
@@ -55,7 +55,7 @@ class Content:
 
     Attributes
     ----------
-    stage : Stage
+    scene : MeshcatScene
     title, heading : str
     background : str
     layers : sequence of Layer
@@ -64,7 +64,7 @@ class Content:
         What the user should know of the picture.
     """
 
-    stage: Stage
+    scene: MeshcatScene
     title: str
     heading: str
     background: str
@@ -82,7 +82,7 @@ def render(content: Content, *, live: str = "", template: str = "page.html", **m
         "layers": [asdict(layer) for layer in content.layers],
         "labels": [asdict(label) for label in content.labels],
         "live": bool(live),
-        "commands": "" if live else _packed(content.stage),
+        "commands": "" if live else _packed(content.scene),
     }
     texts = {"style": own_text("page.css"), "script": own_text("page.js"), "meshcat": _viewer()}
     return str(_templates().get_template(template).render(content=content, data=data, live=live, **texts, **more))
@@ -96,9 +96,9 @@ def frame(page: str, height: int = 600) -> str:
     )
 
 
-def _packed(stage: Stage) -> str:
+def _packed(scene: MeshcatScene) -> str:
     """Return the commands, each behind its length, compressed, as letters."""
-    content = b"".join(struct.pack("<I", len(command)) + command for command in stage.commands())
+    content = b"".join(struct.pack("<I", len(command)) + command for command in scene.commands())
     return base64.b64encode(gzip.compress(content, 6, mtime=0)).decode()
 
 

@@ -22,15 +22,15 @@ from ospace.model.robot import SpaceRobot
 from ospace.model.state import State, checked_state
 from ospace.simulation.moving_frame import MovingFrame
 from ospace.urdf.lint.findings import Finding
-from ospace.visual import between, look, page
+from ospace.visual import environment, page, resample
 from ospace.visual.animation import ERROR, animation
-from ospace.visual.figure import LEGENDS, TITLES, of_robot
-from ospace.visual.look import Background
+from ospace.visual.environment import Background
+from ospace.visual.meshcat_scene import MeshcatScene, component
+from ospace.visual.overlays import OVERLAYS, align_axes
 from ospace.visual.page import Label, Layer
-from ospace.visual.quantities import QUANTITIES, steadied
-from ospace.visual.stage import Stage, component
+from ospace.visual.robot_geometry import LEGENDS, TITLES, of_robot
 
-LAYERS = TITLES | {"points": "operational points"} | {one.name: one.title for one in QUANTITIES}
+LAYERS = TITLES | {"points": "operational points"} | {one.name: one.title for one in OVERLAYS}
 """Names of layers, and what the page calls them."""
 SHOWN = ("robot", "points", "mass-centre")
 _MOST_POINTS = 8  # unless points are given
@@ -38,7 +38,7 @@ _QUANTITY_RATE = 20.0  # Hz, at which quantities are drawn in an animation
 _SAMPLES = 40  # of a motion, for the size of the scene
 
 
-class Motion(Protocol):
+class RecordedMotion(Protocol):
     """A motion in N records, such as `ospace.simulation.Trajectory`."""
 
     @property
@@ -55,7 +55,7 @@ class Motion(Protocol):
 
 
 class Records(NamedTuple):
-    """A motion as arrays; attributes as of `Motion`."""
+    """A motion as arrays; attributes as of `RecordedMotion`."""
 
     time: Floats
     q: Floats
@@ -66,13 +66,13 @@ _Part = tuple[SpaceRobot, Floats, Floats, Floats]
 """A robot, and its motion: time (N,), q (N, nq), v (N, nv)."""
 
 
-class _Player:
+class _SceneRobot:
     """A robot in the scene, and what moves with it."""
 
-    def __init__(self, stage: Stage, number: int, robot: SpaceRobot) -> None:
+    def __init__(self, scene: MeshcatScene, number: int, robot: SpaceRobot) -> None:
         self.robot = robot
         self.root = f"/robots/{number} {component(robot.name)}"
-        self.figure = of_robot(stage, self.root, robot)
+        self.geometry = of_robot(scene, self.root, robot)
 
     def nodes(self, q: Floats) -> Floats:
         """Return position and quaternion of each node (J, 7)."""
@@ -82,7 +82,7 @@ class _Player:
 
     def corners(self, q: Floats) -> Floats:
         """Return corners (N, 3) that it lies between at `q`."""
-        return self.figure.corners([pin.XYZQUATToSE3(pose).homogeneous for pose in self.nodes(q)])
+        return self.geometry.corners([pin.XYZQUATToSE3(pose).homogeneous for pose in self.nodes(q)])
 
 
 class Scene:
@@ -138,49 +138,49 @@ class Scene:
         elif points:
             points_of(robot, points)
         self.robot = robot
-        self.stage = Stage()
+        self.meshcat_scene = MeshcatScene()
         self.frame = MovingFrame(np.zeros(3), np.zeros(3))
         self.duration, self.error = 0.0, 0.0
         self._background: Background = background
         self._displayed = False
-        self._players = [_Player(self.stage, 0, robot)]
-        self.findings: list[Finding] = list(self._players[0].figure.findings)
+        self._robots = [_SceneRobot(self.meshcat_scene, 0, robot)]
+        self.findings: list[Finding] = list(self._robots[0].geometry.findings)
         rest = pin.neutral(robot.model)
-        reach = 0.5 * float(np.linalg.norm(np.ptp(self._players[0].corners(rest), axis=0)))
+        reach = 0.5 * float(np.linalg.norm(np.ptp(self._robots[0].corners(rest), axis=0)))
         self._labels = [self._triad(point, k, 0.09 * reach) for k, point in enumerate(points)]
-        self._quantities = [one(self.stage, "/quantities", points, reach, robot) for one in QUANTITIES]
-        drawn = self._players[0].figure.layers
+        self._overlays = [one(self.meshcat_scene, "/quantities", points, reach, robot) for one in OVERLAYS]
+        drawn = self._robots[0].geometry.layers
         if "robot" in shown and not drawn["robot"]:
             shown = (*shown, "collision")  # all that there is to be seen
-        paths = {one.name: one.paths for one in self._quantities} | {"points": [label.path for label in self._labels]}
+        paths = {one.name: one.paths for one in self._overlays} | {"points": [label.path for label in self._labels]}
         self._layers = {
             name: Layer(name, title, LEGENDS.get(name, ""), list(paths.get(name, [])), name in shown)
             for name, title in LAYERS.items()
         }
-        self._labels.append(Label("centre of mass", self._quantities[0].paths[0], "mass-centre"))
-        self._enlist(self._players[0])
+        self._labels.append(Label("centre of mass", self._overlays[0].paths[0], "mass-centre"))
+        self._enlist(self._robots[0])
         self._place(robot.state(rest))
         self._surround([rest])
 
     def add(self, robot: SpaceRobot) -> None:
         """Put another robot into the scene, such as a target: it is drawn without points and quantities."""
-        player = _Player(self.stage, len(self._players), robot)
-        self._players.append(player)
-        self.findings += player.figure.findings
-        self._enlist(player)
+        drawn = _SceneRobot(self.meshcat_scene, len(self._robots), robot)
+        self._robots.append(drawn)
+        self.findings += drawn.geometry.findings
+        self._enlist(drawn)
 
-    def _enlist(self, player: _Player) -> None:
-        for name, paths in player.figure.layers.items():
+    def _enlist(self, drawn: _SceneRobot) -> None:
+        for name, paths in drawn.geometry.layers.items():
             self._layers[name].paths.extend(paths)
         for layer in self._layers.values():
             for path in layer.paths:
-                self.stage.set_property(path, "visible", layer.shown)
+                self.meshcat_scene.set_property(path, "visible", layer.shown)
 
     def _triad(self, point: OperationalPoint, number: int, length: float) -> Label:
-        node = self._players[0].figure.nodes[point.joint - 1]
+        node = self._robots[0].geometry.nodes[point.joint - 1]
         path = f"{node}/points/point {component(point.frame)} {number}"
-        look.triad(self.stage, f"{path}/axes", length)
-        self.stage.set_transform(path, point.placement.homogeneous)
+        environment.triad(self.meshcat_scene, f"{path}/axes", length)
+        self.meshcat_scene.set_transform(path, point.placement.homogeneous)
         return Label(point.frame, path, "points")
 
     # -- how it moves ----------------------------------------------------------------------------------------
@@ -212,23 +212,21 @@ class Scene:
             q or v is no state of the robot, or there are more configurations than robots.
         """
         q, v = checked_state(self.robot, q, np.zeros(self.robot.nv) if v is None else v)
-        if len(others) >= len(self._players):
-            raise OspaceError(
-                f"{len(others)} configurations of others: there are {len(self._players) - 1} in the scene"
-            )
+        if len(others) >= len(self._robots):
+            raise OspaceError(f"{len(others)} configurations of others: there are {len(self._robots) - 1} in the scene")
         seen = [q]
-        for player, own in zip(self._players[1:], others, strict=False):
-            seen.append(checked_state(player.robot, own, np.zeros(player.robot.nv))[0])
+        for drawn, own in zip(self._robots[1:], others, strict=False):
+            seen.append(checked_state(drawn.robot, own, np.zeros(drawn.robot.nv))[0])
         if self.duration:
-            self.stage.set_animation(Animation())
+            self.meshcat_scene.set_animation(Animation())
             self.duration = self.error = 0.0
             self._displayed = False
         if not self._displayed:
             self.frame = MovingFrame(q[:3].copy(), np.zeros(3))
-        for player, own in zip(self._players, seen, strict=False):
+        for drawn, own in zip(self._robots, seen, strict=False):
             own[:3] -= self.frame.origin
-            for path, pose in zip(player.figure.nodes, player.nodes(own), strict=True):
-                self.stage.set_transform(path, pin.XYZQUATToSE3(pose).homogeneous)
+            for path, pose in zip(drawn.geometry.nodes, drawn.nodes(own), strict=True):
+                self.meshcat_scene.set_transform(path, pin.XYZQUATToSE3(pose).homogeneous)
         held = None if combined is None or combined.robot is self.robot else combined
         if held is None:
             self._place(self.robot.state(q, v))
@@ -240,14 +238,14 @@ class Scene:
             self._surround(*([own] for own in seen))
         self._displayed = True
 
-    def animate(self, *motions: Motion, segments: Sequence[tuple[SpaceRobot, Motion]] = ()) -> None:
+    def animate(self, *motions: RecordedMotion, segments: Sequence[tuple[SpaceRobot, RecordedMotion]] = ()) -> None:
         """Show a motion; the page gets a time slider.
 
         Parameters
         ----------
-        motions : Motion
+        motions : RecordedMotion
             Such as a `Trajectory`: of the robot, and of each other one in the scene, over the same time.
-        segments : sequence of SpaceRobot and Motion
+        segments : sequence of SpaceRobot and RecordedMotion
             Motions of the robot combined with what it holds, or alone, one after the other over the same time:
             quantities are those of them, and change at once from one to the next. Those of the robot alone without it.
 
@@ -261,30 +259,30 @@ class Scene:
         The keys of the animation are so many that no body is further than `error` from where it was, at any time;
         between records it goes from one velocity to the next.
         """
-        if len(motions) != len(self._players):
-            raise OspaceError(f"give one motion for each of the {len(self._players)} robots in the scene")
-        checked = [_checked(player.robot, motion) for player, motion in zip(self._players, motions, strict=True)]
+        if len(motions) != len(self._robots):
+            raise OspaceError(f"give one motion for each of the {len(self._robots)} robots in the scene")
+        checked = [_checked(drawn.robot, motion) for drawn, motion in zip(self._robots, motions, strict=True)]
         start, first = checked[0].time[0], checked[0]
         self.frame = MovingFrame.of(self.robot.state(first.q[0], first.v[0]))
         moved: dict[str, tuple[Floats, Floats]] = {}
         seen, between_records = [], 0.0
-        for player, motion in zip(self._players, checked, strict=True):
+        for drawn, motion in zip(self._robots, checked, strict=True):
             time = motion.time - start
             Q, V = self.frame.inverse.to_user_frame(time, motion.q, motion.v)
-            times, poses, off = between.placed(player.robot.model, time, Q, V, player.nodes, ERROR)
+            times, poses, off = resample.resample_poses(drawn.robot.model, time, Q, V, drawn.nodes, ERROR)
             between_records = max(between_records, off)
-            for j, path in enumerate(player.figure.nodes):
+            for j, path in enumerate(drawn.geometry.nodes):
                 moved[path] = times, poses[:, j]
             seen.append((time, Q, V))
         moved |= self._quantities_along([(self.robot, *seen[0])] if not segments else self._seen(segments, start))
         self.duration = float(seen[0][0][-1])
         made, between_keys = animation(moved)
         self.error = between_records + between_keys
-        self.stage.set_animation(made)
+        self.meshcat_scene.set_animation(made)
         self._surround(*(Q[:: max(1, len(Q) // _SAMPLES)] for _, Q, _ in seen))
         self._displayed = True
 
-    def _seen(self, segments: Sequence[tuple[SpaceRobot, Motion]], start: float) -> list[_Part]:
+    def _seen(self, segments: Sequence[tuple[SpaceRobot, RecordedMotion]], start: float) -> list[_Part]:
         """Return motions as seen from the frame."""
         parts = []
         for robot, motion in segments:
@@ -307,30 +305,30 @@ class Scene:
             states += [robot.state(Q[records[one]], V[records[one]]) for one in later]
         at = np.concatenate(times).astype(np.float64)
         moved = {}
-        for quantity in self._quantities:
-            quantity.measure(states)
-            placed: dict[str, list[Floats]] = {path: [] for path in quantity.paths}
+        for overlay in self._overlays:
+            overlay.measure(states)
+            placed: dict[str, list[Floats]] = {path: [] for path in overlay.paths}
             for state in states:
-                for path, T in quantity.place(state):
+                for path, T in overlay.place(state):
                     T[:3, 3] += state.q[:3]
                     placed[path].append(T)
             for path, places in placed.items():
-                poses = [_pose_and_scale(T) for T in (steadied(places) if quantity.round else places)]
+                poses = [_pose_and_scale(T) for T in (align_axes(places) if overlay.round else places)]
                 moved[path] = at, np.array(poses)
         return moved
 
     def _place(self, state: State) -> None:
-        for quantity in self._quantities:
-            for path, T in quantity.place(state):
+        for overlay in self._overlays:
+            for path, T in overlay.place(state):
                 T[:3, 3] += state.q[:3]
-                self.stage.set_transform(path, T)
+                self.meshcat_scene.set_transform(path, T)
 
     def _surround(self, *motions: Sequence[Floats] | Floats) -> None:
         corners = [
-            np.concatenate([player.corners(q) for q in Q]) for player, Q in zip(self._players, motions, strict=False)
+            np.concatenate([drawn.corners(q) for q in Q]) for drawn, Q in zip(self._robots, motions, strict=False)
         ]
         along = corners[1].mean(axis=0) - corners[0].mean(axis=0) if len(corners) > 1 else None
-        look.surround(self.stage, self._background, np.concatenate(corners), along)
+        environment.surround(self.meshcat_scene, self._background, np.concatenate(corners), along)
 
     # -- where it is seen ------------------------------------------------------------------------------------
 
@@ -342,10 +340,10 @@ class Scene:
         """Return what a page is made of."""
         robot = self.robot
         heading = f"{robot.nv} degrees of freedom, {robot.total_mass:.6g} kg"
-        legends = {one.name: one.legend for one in self._quantities}
+        legends = {one.name: one.legend for one in self._overlays}
         layers = [replace(one, legend=legends.get(one.name, one.legend)) for one in self._layers.values() if one.paths]
         return page.Content(
-            self.stage,
+            self.meshcat_scene,
             robot.name,
             heading,
             self._background,
@@ -371,7 +369,7 @@ def _default_points(robot: SpaceRobot) -> list[OperationalPoint]:
     return ([point for point in points if point.joint > 1] or points)[:_MOST_POINTS]
 
 
-def _checked(robot: SpaceRobot, motion: Motion) -> Records:
+def _checked(robot: SpaceRobot, motion: RecordedMotion) -> Records:
     """Return a motion as arrays; raise `OspaceError` where it is none of the robot."""
     try:
         time, q, v = (real_numbers(one) for one in (motion.time, motion.q, motion.v))

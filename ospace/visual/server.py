@@ -44,7 +44,7 @@ class Server:
     """
 
     def __init__(self, content: Callable[[], Content], host: str = LOOPBACK, port: int | None = None) -> None:
-        self._content, self._stage = content, content().stage
+        self._content, self._scene = content, content().scene
         self._names = {*_LOOPBACKS, host} if host in _LOOPBACKS else set()  # elsewhere, who serves knows the names
         self._socket = _listen(host, port)
         self.port = int(self._socket.getsockname()[1])
@@ -57,13 +57,13 @@ class Server:
     def __enter__(self) -> Self:
         self._thread.start()
         self._ready.wait()
-        self._stage.listen(self._changed)
+        self._scene.listen(self._changed)
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._stage.forget(self._changed)
+        self._scene.forget(self._changed)
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join()
 
@@ -121,7 +121,7 @@ class _Socket(_Known, WebSocketHandler):
         self._make, self._viewers = content, viewers
 
     def open(self, *args: str, **more: str) -> None:
-        for command in self._make().stage.commands():
+        for command in self._make().scene.commands():
             self.tell(command)
         self._viewers.add(self)
 

@@ -92,9 +92,9 @@ def test_a_robot_in_orbit_stays_in_the_picture(plan):
     """Live as well as in the replay: seen from the frame that moves along with it."""
     places = {}
     with Live(plan) as live:
-        stage = live._scene.stage
+        drawn = live._scene.meshcat_scene
         run = scenario.run(plan, watch=live.watch)
-        for command in map(umsgpack.unpackb, stage.commands()):
+        for command in map(umsgpack.unpackb, drawn.commands()):
             if (
                 command["type"] == "set_transform"
                 and command["path"].startswith("/robots")
@@ -126,7 +126,7 @@ def test_while_a_target_is_held_quantities_are_those_of_both(tmp_path):
             if live._due != due and (not robots or robots[-1] is not combined.robot):
                 placed = {
                     one["path"]: np.array(one["matrix"][12:15])
-                    for one in map(umsgpack.unpackb, live._scene.stage.commands())
+                    for one in map(umsgpack.unpackb, live._scene.meshcat_scene.commands())
                     if one["type"] == "set_transform"
                 }
                 model = combined.robot.model

@@ -19,7 +19,8 @@ import umsgpack
 from ospace import SpaceRobot, models
 from ospace.exceptions import OspaceError
 from ospace.visual import Scene
-from ospace.visual.quantities import steadied
+from ospace.visual.animation import ERROR
+from ospace.visual.overlays import align_axes
 from ospace.visual.scene import LAYERS, SHOWN
 
 BODY = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
@@ -281,10 +282,10 @@ def motion_of(robot, **changed):
 )
 def test_what_is_no_motion(robot, name, value, words):
     scene = Scene(robot)
-    before = list(scene.stage.commands())
+    before = list(scene.meshcat_scene.commands())
     with pytest.raises(OspaceError, match=words):
         scene.animate(motion_of(robot, **{name: value}))
-    assert list(scene.stage.commands()) == before  # nothing is half done
+    assert list(scene.meshcat_scene.commands()) == before  # nothing is half done
 
 
 def test_no_motion_at_all(robot):
@@ -294,6 +295,13 @@ def test_no_motion_at_all(robot):
         Scene(robot).animate(SimpleNamespace(time=[0.0], q=[robot.configuration()], v=np.zeros((1, robot.nv))))
     with pytest.raises(OspaceError, match="one motion for each of the 1 robots"):
         Scene(robot).animate()
+
+
+def test_an_animation_lasts_as_long_as_its_motion(robot):
+    scene = Scene(robot)
+    scene.animate(motion_of(robot, time=np.arange(3.0)))
+    assert scene.duration == 2.0
+    assert scene.error <= 2.0 * ERROR
 
 
 def test_what_is_displayed_takes_the_place_of_an_animation(robot):
@@ -321,7 +329,7 @@ def test_a_mesh_that_changes_is_read_again(tmp_path):
         mesh.write_text(f"v 0 0 0\nv {width} 0 0\nv 0 1 0\nf 1 2 3\n")
         os.utime(mesh, ns=(0, int(width)))
         scene = Scene(robot)
-        assert np.ptp(scene._players[0].corners(robot.configuration())[:, 0]) == pytest.approx(width)
+        assert np.ptp(scene._robots[0].corners(robot.configuration())[:, 0]) == pytest.approx(width)
 
 
 def test_arrows_of_momentum_have_one_scale_for_a_motion(robot):
@@ -331,7 +339,7 @@ def test_arrows_of_momentum_have_one_scale_for_a_motion(robot):
     v = np.zeros((21, robot.nv))
     v[:, 6] = time
     scene.animate(SimpleNamespace(time=time, q=np.tile(robot.configuration(), (21, 1)), v=v))
-    momentum = next(one for one in scene._quantities if one.name == "momentum")
+    momentum = next(one for one in scene._overlays if one.name == "momentum")
     lengths = []
     for rate in (0.25, 0.5, 1.0):
         state = robot.state(robot.configuration(), [0.0] * 6 + [rate, 0.0])
@@ -356,7 +364,7 @@ def test_ellipsoids_turn_no_further_than_they_must():
         axes = pin.exp3(np.array([0.3, 0.5, -0.2]) * t) * [3.0, 2.0, 1.0]
         axes = axes[:, rng.permutation(3)] * rng.choice([-1.0, 1.0], 3)
         places.append(np.block([[axes * np.sign(np.linalg.det(axes)), np.zeros((3, 1))], [np.zeros(3), 1.0]]))
-    found = steadied(places)
+    found = align_axes(places)
     for before, after, given in zip(found, found[1:], places[1:], strict=False):
         turns = [one[:3, :3] / np.linalg.norm(one[:3, :3], axis=0) for one in (before, after)]
         assert np.linalg.norm(pin.log3(turns[0].T @ turns[1])) < 0.01

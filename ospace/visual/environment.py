@@ -9,8 +9,8 @@ from meshcat import geometry as g
 
 from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
-from ospace.visual.solids import homogeneous, material
-from ospace.visual.stage import Stage
+from ospace.visual.meshcat_scene import MeshcatScene
+from ospace.visual.shapes import homogeneous, material
 
 Background = Literal["space", "paper"]
 BACKGROUNDS: tuple[Background, ...] = ("space", "paper")
@@ -58,7 +58,7 @@ class _Dots(g.PointsMaterial):  # type: ignore[misc]
         return super().lower(object_data) | {"sizeAttenuation": False}
 
 
-def surround(stage: Stage, background: Background, corners: Floats, along: Floats | None = None) -> None:
+def surround(scene: MeshcatScene, background: Background, corners: Floats, along: Floats | None = None) -> None:
     """Set up background, light and camera for a scene that lies between `corners` (N, 3), m.
 
     The camera looks across `along` (3,), the way from one robot to another, if there is one.
@@ -73,8 +73,8 @@ def surround(stage: Stage, background: Background, corners: Floats, along: Float
     lower, upper = corners.min(axis=0), corners.max(axis=0)
     centre, reach = 0.5 * (lower + upper), 0.5 * float(np.linalg.norm(upper - lower))
     top, bottom = _SKIES[background]
-    stage.set_property("/Background", "top_color", list(top))
-    stage.set_property("/Background", "bottom_color", list(bottom))
+    scene.set_property("/Background", "top_color", list(top))
+    scene.set_property("/Background", "bottom_color", list(bottom))
     for default in (
         "/Grid",
         "/Axes",
@@ -82,25 +82,25 @@ def surround(stage: Stage, background: Background, corners: Floats, along: Float
         "/Lights/PointLightPositiveX",
         "/Lights/FillLight",
     ):
-        stage.set_property(default, "visible", False)
+        scene.set_property(default, "visible", False)
     ambient, sun = (0.42, 0.85) if background == "space" else (0.55, 0.5)
-    stage.set_property("/Lights/AmbientLight/<object>", "intensity", ambient)
+    scene.set_property("/Lights/AmbientLight/<object>", "intensity", ambient)
     for name, colour, intensity, direction in (
         ("Sun", 0xFFF6E8, sun, _SUN),
         ("Earthshine", 0x9DB8FF, 0.28, np.array([-0.6, 0.9, -0.5])),
         ("Front", 0xFFFFFF, 0.25 * sun, _VIEW),
     ):
         position = 3.0 * reach * direction / np.linalg.norm(direction)
-        stage.set_object(f"/Lights/{name}", _Light(colour, intensity, centre + position, 1.3 * reach))
-        stage.set_property(f"/Lights/{name}/<object>", "castShadow", name == "Sun")
+        scene.set_object(f"/Lights/{name}", _Light(colour, intensity, centre + position, 1.3 * reach))
+        scene.set_property(f"/Lights/{name}/<object>", "castShadow", name == "Sun")
     view = _view(along)
     distance = _distance(corners - centre, view)
     camera = "/Cameras/default/rotated/<object>"
-    stage.set_property(camera, "fov", _FIELD)
-    stage.set_property(camera, "near", 0.01 * distance)
-    stage.set_property(camera, "far", 30.0 * distance)
+    scene.set_property(camera, "fov", _FIELD)
+    scene.set_property(camera, "near", 0.01 * distance)
+    scene.set_property(camera, "far", 30.0 * distance)
     for name, (x, y, z) in (("position", centre + distance * view), ("target", centre)):
-        stage.set_property(camera, name, [x, z, -y])  # its frame stands with y upwards
+        scene.set_property(camera, name, [x, z, -y])  # its frame stands with y upwards
     if background == "space":
         rng = np.random.default_rng(7)
         where = rng.normal(size=(3, _STARS))
@@ -108,7 +108,7 @@ def surround(stage: Stage, background: Background, corners: Floats, along: Float
         bright = 0.25 + 0.75 * rng.random(_STARS) ** 3
         colour = bright * np.array([[0.95], [0.97], [1.0]])
         stars = g.Points(g.PointsGeometry(where.astype(np.float32), colour.astype(np.float32)), _Dots(size=1.6))
-        stage.set_object("/stars", stars)
+        scene.set_object("/stars", stars)
 
 
 def _view(along: Floats | None) -> Floats:
@@ -133,19 +133,19 @@ def _distance(corners: Floats, away: Floats) -> float:
     return float(_MARGIN * (near + np.maximum(across, high) / tangent).max())
 
 
-def arrow(stage: Stage, path: str, colour: int) -> None:
+def arrow(scene: MeshcatScene, path: str, colour: int) -> None:
     """Put an arrow of length 1 along z at `path`."""
     paint = material(((colour >> 16) / 255.0, (colour >> 8 & 255) / 255.0, (colour & 255) / 255.0, 1.0))
     for part, geometry, middle in (
         ("shaft", g.Cylinder(0.8, 0.018), 0.4),
         ("head", g.Cylinder(0.2, radiusTop=0.0, radiusBottom=0.055), 0.9),
     ):
-        stage.set_object(f"{path}/{part}", geometry, paint)
+        scene.set_object(f"{path}/{part}", geometry, paint)
         T = homogeneous(np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]), np.array([0.0, 0.0, middle]))
-        stage.set_transform(f"{path}/{part}", T)
+        scene.set_transform(f"{path}/{part}", T)
 
 
-def triad(stage: Stage, path: str, length: float) -> None:
+def triad(scene: MeshcatScene, path: str, length: float) -> None:
     """Put axes x, y, z, red, green and blue, at `path`."""
     turns = (
         np.array([[0.0, 0, 1], [1, 0, 0], [0, 1, 0]]),
@@ -153,5 +153,5 @@ def triad(stage: Stage, path: str, length: float) -> None:
         np.eye(3),
     )
     for name, colour, R in zip("xyz", (0xE8453C, 0x43B649, 0x3F7BF0), turns, strict=True):
-        arrow(stage, f"{path}/{name}", colour)
-        stage.set_transform(f"{path}/{name}", homogeneous(length * R, np.zeros(3)))
+        arrow(scene, f"{path}/{name}", colour)
+        scene.set_transform(f"{path}/{name}", homogeneous(length * R, np.zeros(3)))

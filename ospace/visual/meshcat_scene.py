@@ -19,7 +19,7 @@ def component(name: str) -> str:
     return name.replace("%", "%25").replace("/", "%2F").replace("<", "%3C")
 
 
-class Stage:
+class MeshcatScene:
     """Meshcat's commands, the last of each kind by path; a page that is opened later gets them all, in order."""
 
     def __init__(self) -> None:

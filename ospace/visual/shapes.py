@@ -22,7 +22,7 @@ _MOST_FACES = 100_000  # of one mesh, for edges to be kept sharp: beyond, it wou
 _SHARP = 0.5  # rad
 
 
-class Ball(g.Sphere):  # type: ignore[misc]
+class SmoothSphere(g.Sphere):  # type: ignore[misc]
     """Meshcat's sphere, rounder."""
 
     def lower(self, object_data: Any) -> Any:
@@ -31,7 +31,7 @@ class Ball(g.Sphere):  # type: ignore[misc]
 
 
 @dataclass(frozen=True)
-class Solid:
+class ShapePart:
     """What stands at `T` (4, 4), m, in the frame of its link."""
 
     geometry: Any
@@ -41,7 +41,7 @@ class Solid:
     """Half of the sides (3,) of a box about the origin of `T` that holds it, m."""
 
 
-def solids(shape: Shape, mesh: Path | None = None) -> Iterator[Solid]:
+def shape_parts(shape: Shape, mesh: Path | None = None) -> Iterator[ShapePart]:
     """Yield what a shape is made of; `mesh` is the file of a <mesh>.
 
     Raises
@@ -52,26 +52,26 @@ def solids(shape: Shape, mesh: Path | None = None) -> Iterator[Solid]:
     R, p = placement(shape.pose)
     T = homogeneous(R, p)
     if mesh is not None:
-        for vertices, faces, colour in _parts(mesh, mesh.stat().st_mtime_ns):
+        for vertices, faces, colour in _mesh_parts(mesh, mesh.stat().st_mtime_ns):
             scaled = vertices * np.array(shape.size)
             turned = faces[:, ::-1] if np.prod(shape.size) < 0.0 else faces  # a mirror turns them inside out
             lower, upper = scaled.min(axis=0), scaled.max(axis=0)
             centre = 0.5 * (lower + upper)
             geometry = g.TriangularMeshGeometry(scaled - centre, turned)
-            yield Solid(geometry, shape.colour or colour, T @ homogeneous(np.eye(3), centre), 0.5 * (upper - lower))
+            yield ShapePart(geometry, shape.colour or colour, T @ homogeneous(np.eye(3), centre), 0.5 * (upper - lower))
         return
     colour = shape.colour or GREY
     if shape.kind == "box":
-        yield Solid(g.Box(list(shape.size)), colour, T, 0.5 * np.array(shape.size))
+        yield ShapePart(g.Box(list(shape.size)), colour, T, 0.5 * np.array(shape.size))
     elif shape.kind == "sphere":
-        yield Solid(Ball(shape.size[0]), colour, T, np.full(3, shape.size[0]))
+        yield ShapePart(SmoothSphere(shape.size[0]), colour, T, np.full(3, shape.size[0]))
     else:
         radius, length = shape.size
-        yield Solid(g.Cylinder(length, radius), colour, T @ _Y_TO_Z, np.array([radius, 0.5 * length, radius]))
+        yield ShapePart(g.Cylinder(length, radius), colour, T @ _Y_TO_Z, np.array([radius, 0.5 * length, radius]))
         if shape.kind == "capsule":
             for end in (-0.5 * length, 0.5 * length):
                 cap = T @ homogeneous(np.eye(3), np.array([0.0, 0.0, end]))
-                yield Solid(Ball(radius), colour, cap, np.full(3, radius))
+                yield ShapePart(SmoothSphere(radius), colour, cap, np.full(3, radius))
 
 
 def homogeneous(R: Floats, p: Floats) -> Floats:
@@ -101,7 +101,7 @@ def material(colour: Colour) -> g.MeshPhongMaterial:
 
 
 @lru_cache(maxsize=256)
-def _parts(path: Path, changed: int) -> list[tuple[Floats, Any, Colour]]:
+def _mesh_parts(path: Path, changed: int) -> list[tuple[Floats, Any, Colour]]:
     """Return vertices (N, 3), faces (M, 3) and colour of each part of a mesh that was changed then; m, its own axes."""
     import trimesh
 

@@ -23,7 +23,7 @@ _CLOSE = 5e-3  # s
 _UNKNOWN = 256  # pieces between two records that are all that is known
 
 
-def placed(
+def resample_poses(
     model: pin.Model, time: Floats, Q: Floats, V: Floats, poses: Callable[[Floats], Floats], error: float
 ) -> tuple[Floats, Floats, float]:
     """Place bodies at the records of a motion, and so often between them that straight lines are off by `error`.

@@ -6,7 +6,7 @@ import trimesh
 from meshcat import geometry as g
 
 from ospace.urdf.description import Pose, Shape
-from ospace.visual.solids import GREY, box_corners, homogeneous, material, solids
+from ospace.visual.shapes import GREY, box_corners, homogeneous, material, shape_parts
 
 POSE = Pose((0.3, -0.2, 0.7), (0.4, -0.9, 1.3))
 TURN = trimesh.transformations.euler_matrix(0.4, -0.9, 1.3)  # roll, pitch, yaw about fixed axes
@@ -49,7 +49,7 @@ def bounds(parts):
     ids=["box", "sphere", "cylinder", "capsule"],
 )
 def test_primitives(one, expected):
-    parts = list(solids(one, None))
+    parts = list(shape_parts(one, None))
     if expected is None:
         expected = trimesh.creation.capsule(0.9, 0.1, count=[64, 64])
         expected.apply_translation(-expected.bounds.mean(axis=0))
@@ -73,7 +73,7 @@ WEDGE = trimesh.Trimesh(
 def test_meshes(tmp_path, suffix, scale):
     file = tmp_path / f"wedge.{suffix}"
     WEDGE.export(file)
-    (part,) = solids(shape("mesh", scale, filename=file.name), file)
+    (part,) = shape_parts(shape("mesh", scale, filename=file.name), file)
     made = as_mesh(part)
     expected = trimesh.transform_points(WEDGE.vertices * scale, PLACE)
     np.testing.assert_allclose(made.bounds, [expected.min(axis=0), expected.max(axis=0)], rtol=0, atol=1e-6)
@@ -94,11 +94,11 @@ def test_a_mesh_of_parts_keeps_their_colours(tmp_path):
     blue.apply_translation([3, 0, 0])
     file = tmp_path / "two.glb"
     trimesh.Scene([red, blue]).export(file)
-    parts = list(solids(shape("mesh", (1.0, 1.0, 1.0), filename=file.name), file))
+    parts = list(shape_parts(shape("mesh", (1.0, 1.0, 1.0), filename=file.name), file))
     assert sorted(part.colour[:3] for part in parts) == [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0)]
     assert sorted(round(part.colour[3], 2) for part in parts) == [0.5, 1.0]
     told = shape("mesh", (1.0, 1.0, 1.0), filename=file.name, colour=(0.1, 0.2, 0.3, 1.0))
-    assert {part.colour for part in solids(told, file)} == {(0.1, 0.2, 0.3, 1.0)}  # the URDF's own goes first
+    assert {part.colour for part in shape_parts(told, file)} == {(0.1, 0.2, 0.3, 1.0)}  # the URDF's own goes first
 
 
 @pytest.mark.parametrize("content", [b"", b"solid nothing\nendsolid nothing\n", b"\x00" * 84, b"not a mesh"])
@@ -106,7 +106,7 @@ def test_what_is_no_mesh(tmp_path, content):
     file = tmp_path / "broken.stl"
     file.write_bytes(content)
     with pytest.raises(ValueError, match=r"broken\.stl"):
-        list(solids(shape("mesh", (1.0, 1.0, 1.0), filename=file.name), file))
+        list(shape_parts(shape("mesh", (1.0, 1.0, 1.0), filename=file.name), file))
 
 
 def test_material():

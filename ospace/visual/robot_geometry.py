@@ -17,11 +17,11 @@ from ospace.urdf.bodies import link_places, placement, tensor_of
 from ospace.urdf.description import Colour, Description, Inertial, Link, Shape
 from ospace.urdf.lint.findings import Finding, make_finding
 from ospace.urdf.lint.meshes import MeshError, locate
-from ospace.visual.solids import Ball, Solid, box_corners, homogeneous, material, solids
-from ospace.visual.stage import Stage, component
+from ospace.visual.meshcat_scene import MeshcatScene, component
+from ospace.visual.shapes import ShapePart, SmoothSphere, box_corners, homogeneous, material, shape_parts
 
 TITLES = {"robot": "robot", "collision": "collision shapes", "inertia": "inertia of each link"}
-"""The layers of a figure, and what pages call them."""
+"""The layers of a robot, and what pages call them."""
 LEGENDS = {"inertia": "uniform ellipsoids of the same mass and tensor; red: no mass is spread so"}
 _COLLISION: Colour = (0.25, 0.9, 0.55, 0.35)
 _INERTIA: Colour = (1.0, 0.72, 0.2, 0.45)
@@ -33,8 +33,8 @@ _ROUNDED = 1e-4  # of the largest moment, as findings have it
 
 
 @dataclass
-class Figure:
-    """What stands on a stage for one robot.
+class RobotGeometry:
+    """Hold what stands in a scene for one robot.
 
     Attributes
     ----------
@@ -69,9 +69,9 @@ class Figure:
         return np.concatenate([box @ places[node][:3, :3].T + places[node][:3, 3] for node, box in extents])
 
 
-def of_robot(stage: Stage, root: str, robot: SpaceRobot) -> Figure:
-    """Put a robot on the stage below `root`."""
-    model, description, builder = robot.model, robot.description, _Builder(stage, {})
+def of_robot(scene: MeshcatScene, root: str, robot: SpaceRobot) -> RobotGeometry:
+    """Put a robot into the scene below `root`."""
+    model, description, builder = robot.model, robot.description, _GeometryBuilder(scene, {})
     data = robot.scratch.data
     pin.forwardKinematics(model, data, pin.neutral(model))
     for j in range(1, model.njoints):
@@ -86,26 +86,26 @@ def of_robot(stage: Stage, root: str, robot: SpaceRobot) -> Figure:
         for frame in model.frames:
             if frame.type == pin.FrameType.BODY and frame.parentJoint > 0:
                 builder.link(description.link[frame.name], frame.parentJoint - 1, frame.placement)
-    return builder.figure
+    return builder.geometry
 
 
 def of_description(
-    stage: Stage,
+    scene: MeshcatScene,
     root: str,
     description: Description,
     folders: Sequence[Path],
     marked: Mapping[str, Colour],
-) -> Figure:
-    """Put on the stage what a file describes, sound or not; `folders` has the file and the folders of packages."""
-    builder = _Builder(stage, marked)
+) -> RobotGeometry:
+    """Put into the scene what a file describes, sound or not; `folders` has the file and the folders of packages."""
+    builder = _GeometryBuilder(scene, marked)
     builder.describes(description, folders)
     bodies, places = link_places(description)
     for body in bodies:
-        above = builder.figure.rest[body.parent] if body.parent >= 0 else np.eye(4)
+        above = builder.geometry.rest[body.parent] if body.parent >= 0 else np.eye(4)
         builder.node(f"{root}/body {component(body.link.name)}", above @ homogeneous(body.rotation, body.translation))
     for name, (node, R, p) in places.items():
         builder.link(description.link[name], node, pin.SE3(R, p))
-    return builder.figure
+    return builder.geometry
 
 
 class _Inertia(NamedTuple):
@@ -116,10 +116,10 @@ class _Inertia(NamedTuple):
     tensor: Floats
 
 
-class _Builder:
-    def __init__(self, stage: Stage, marked: Mapping[str, Colour]) -> None:
-        self.stage, self.marked = stage, marked
-        self.figure = Figure()
+class _GeometryBuilder:
+    def __init__(self, scene: MeshcatScene, marked: Mapping[str, Colour]) -> None:
+        self.scene, self.marked = scene, marked
+        self.geometry = RobotGeometry()
         self.folders: list[Path] = []
         self.bare = False
 
@@ -130,24 +130,24 @@ class _Builder:
 
     def node(self, path: str, T: Floats) -> None:
         """Add a node, at rest at `T` (4, 4), m."""
-        self.figure.nodes.append(path)
-        self.figure.rest.append(T)
-        self.stage.set_transform(path, T)
+        self.geometry.nodes.append(path)
+        self.geometry.rest.append(T)
+        self.scene.set_transform(path, T)
 
     def link(self, link: Link, node: int, T: pin.SE3) -> None:
         """Show a link at `T` in the node's frame."""
-        self.figure.links[link.name] = node, T.homogeneous
+        self.geometry.links[link.name] = node, T.homogeneous
         inertia = None if link.inertial is None else _seen(link.inertial, T)
         if self.bare and inertia is not None:
             self.box(node, link.name, inertia)
         boxed = False
         for k, shape in enumerate(link.shapes):
             try:
-                parts = list(solids(shape, self._mesh(shape.filename) if shape.kind == "mesh" else None))
+                parts = list(shape_parts(shape, self._mesh(shape.filename) if shape.kind == "mesh" else None))
             except (MeshError, ValueError) as error:
                 code = error.code if isinstance(error, MeshError) else "mesh-unreadable"
                 told = make_finding(code, link.subject, str(error), line=shape.line, value=shape.filename)
-                self.figure.findings.append(told)
+                self.geometry.findings.append(told)
                 if shape.role == "visual" and inertia is not None and not boxed:
                     self.box(node, link.name, inertia)
                     boxed = True
@@ -157,14 +157,14 @@ class _Builder:
         if inertia is not None:
             self.inertia(node, link.name, inertia)
 
-    def _solid(self, node: int, link: str, shape: Shape, number: str, part: Solid, T: pin.SE3) -> None:
+    def _solid(self, node: int, link: str, shape: Shape, number: str, part: ShapePart, T: pin.SE3) -> None:
         layer = "robot" if shape.role == "visual" else "collision"
         path = self._path(node, layer, f"link {component(link)}/{shape.role} {number}")
         colour = self.marked.get(link, part.colour) if layer == "robot" else _COLLISION
-        self.stage.set_object(path, part.geometry, material(colour))
+        self.scene.set_object(path, part.geometry, material(colour))
         place = T.homogeneous @ part.T
-        self.stage.set_transform(path, place)
-        self.figure.extents.append((node, box_corners(place, part.half)))
+        self.scene.set_transform(path, place)
+        self.geometry.extents.append((node, box_corners(place, part.half)))
 
     def _mesh(self, filename: str) -> Path:
         """Find a mesh where the reader does, and in the package that the file itself lies in."""
@@ -184,8 +184,8 @@ class _Builder:
             return
         lengths = np.sqrt(np.maximum(squares, _THIN**2 * squares.max()))
         path = self._path(node, "inertia", component(f"link {name}"))
-        self.stage.set_object(path, Ball(1.0), material(_WRONG if gross else _INERTIA))
-        self.stage.set_transform(path, homogeneous(axes * lengths, inertia.centre))
+        self.scene.set_object(path, SmoothSphere(1.0), material(_WRONG if gross else _INERTIA))
+        self.scene.set_transform(path, homogeneous(axes * lengths, inertia.centre))
 
     def box(self, node: int, name: str, inertia: _Inertia) -> None:
         """Show the uniform box of the same mass and moments, in place of what cannot be shown or is not there."""
@@ -194,14 +194,14 @@ class _Builder:
             return
         sides = 2.0 * np.sqrt(0.6 * np.maximum(squares, _THIN**2 * squares.max()))
         path = self._path(node, "robot", component(f"link {name}") + "/inertia box")
-        self.stage.set_object(path, g.Box(sides.tolist()), material(self.marked.get(name, _IN_PLACE_OF_MESH)))
-        self.stage.set_transform(path, homogeneous(axes, inertia.centre))
-        self.figure.extents.append((node, box_corners(homogeneous(axes, inertia.centre), 0.5 * sides)))
+        self.scene.set_object(path, g.Box(sides.tolist()), material(self.marked.get(name, _IN_PLACE_OF_MESH)))
+        self.scene.set_transform(path, homogeneous(axes, inertia.centre))
+        self.geometry.extents.append((node, box_corners(homogeneous(axes, inertia.centre), 0.5 * sides)))
 
     def _path(self, node: int, layer: str, name: str) -> str:
-        own = f"{self.figure.nodes[node]}/{layer}"
-        if own not in self.figure.layers[layer]:
-            self.figure.layers[layer].append(own)
+        own = f"{self.geometry.nodes[node]}/{layer}"
+        if own not in self.geometry.layers[layer]:
+            self.geometry.layers[layer].append(own)
         return f"{own}/{name}"
 
 

@@ -30,9 +30,9 @@ from ospace.model.points import OperationalPoint
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
 from ospace.urdf.description import Colour
-from ospace.visual.look import arrow
-from ospace.visual.solids import Ball, homogeneous, material
-from ospace.visual.stage import Stage, component
+from ospace.visual.environment import arrow
+from ospace.visual.meshcat_scene import MeshcatScene, component
+from ospace.visual.shapes import SmoothSphere, homogeneous, material
 
 _MASS: Colour = (0.95, 0.35, 0.75, 0.38)
 _FLOATING: Colour = (0.15, 0.85, 0.95, 0.45)
@@ -48,8 +48,8 @@ _SLOW = 0.1  # m/s and rad/s: what the arrows of momentum are measured by, unles
 Placed = Iterator[tuple[str, Floats]]
 
 
-class Quantity(ABC):
-    """A quantity on a stage.
+class Overlay(ABC):
+    """A quantity on a scene.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class Quantity(ABC):
 
     @abstractmethod
     def __init__(
-        self, stage: Stage, root: str, points: Sequence[OperationalPoint], reach: float, robot: SpaceRobot
+        self, scene: MeshcatScene, root: str, points: Sequence[OperationalPoint], reach: float, robot: SpaceRobot
     ) -> None: ...
 
     @property
@@ -88,40 +88,40 @@ class Quantity(ABC):
         """
 
 
-class MassCentre(Quantity):
+class MassCentre(Overlay):
     """The centre of mass."""
 
     name, title = "mass-centre", "centre of mass"
 
     def __init__(
-        self, stage: Stage, root: str, points: Sequence[OperationalPoint], reach: float, robot: SpaceRobot
+        self, scene: MeshcatScene, root: str, points: Sequence[OperationalPoint], reach: float, robot: SpaceRobot
     ) -> None:
         self.paths = [f"{root}/mass centre"]
-        stage.set_object(self.paths[0] + "/ball", Ball(0.018 * reach), g.MeshPhongMaterial(color=_CENTRE))
+        scene.set_object(self.paths[0] + "/ball", SmoothSphere(0.018 * reach), g.MeshPhongMaterial(color=_CENTRE))
 
     def place(self, state: State) -> Placed:
-        """Place its nodes, as `Quantity.place`."""
+        """Place its nodes, as `Overlay.place`."""
         yield self.paths[0], homogeneous(np.eye(3), _mass_centre(state))
 
 
-class OperationalInertia(Quantity):
+class OperationalInertia(Overlay):
     """Translational Γ_e of each point by itself."""
 
     name, title = "operational-inertia", "operational-space inertia Γₑ"
     round = True
 
     def __init__(
-        self, stage: Stage, root: str, points: Sequence[OperationalPoint], reach: float, robot: SpaceRobot
+        self, scene: MeshcatScene, root: str, points: Sequence[OperationalPoint], reach: float, robot: SpaceRobot
     ) -> None:
         self._points = _linear(points)
         self.paths = [f"{root}/inertia {component(point.frame)} {k}" for k, point in enumerate(points)]
         self._scale, self._least = 0.4 * reach / robot.total_mass**0.5, _VANISHED * reach
         self._legend = f"effective masses: semi-axes are {100.0 * self._scale:.2g} cm √(m/kg)"
         for path in self.paths:
-            stage.set_object(f"{path}/ball", Ball(1.0), material(_MASS))
+            scene.set_object(f"{path}/ball", SmoothSphere(1.0), material(_MASS))
 
     def place(self, state: State) -> Placed:
-        """Place its nodes, as `Quantity.place`."""
+        """Place its nodes, as `Overlay.place`."""
         for path, point in zip(self.paths, _on(state.robot, self._points), strict=True):
             at = state.placement_about_base(point).translation
             try:
@@ -131,14 +131,14 @@ class OperationalInertia(Quantity):
             yield path, _ellipsoid(axes, self._scale * np.sqrt(np.maximum(masses, 0.0)), at, self._least)
 
 
-class Manipulability(Quantity):
+class Manipulability(Overlay):
     """Generalized manipulability, and that of the same arm on a base that is held."""
 
     name, title = "manipulability", "generalized manipulability"
     round = True
 
     def __init__(
-        self, stage: Stage, root: str, points: Sequence[OperationalPoint], reach: float, robot: SpaceRobot
+        self, scene: MeshcatScene, root: str, points: Sequence[OperationalPoint], reach: float, robot: SpaceRobot
     ) -> None:
         self._points = _linear(points)
         names = [f"{component(point.frame)} {k}" for k, point in enumerate(points)]
@@ -149,10 +149,10 @@ class Manipulability(Quantity):
         self._legend = "velocity at unit joint rates, 1 m/s as 20 cm; cyan: floating base, grey: base held"
         for paths, colour in ((self._floating, _FLOATING), (self._held, _HELD)):
             for path in paths:
-                stage.set_object(f"{path}/ball", Ball(1.0), material(colour))
+                scene.set_object(f"{path}/ball", SmoothSphere(1.0), material(colour))
 
     def place(self, state: State) -> Placed:
-        """Place its nodes, as `Quantity.place`."""
+        """Place its nodes, as `Overlay.place`."""
         for floating, held, point in zip(self._floating, self._held, _on(state.robot, self._points), strict=True):
             at = state.placement_about_base(point).translation
             J_m = operational_space(state, point, method="dense").jacobian[:, 6:]
@@ -161,13 +161,13 @@ class Manipulability(Quantity):
                 yield path, _ellipsoid(U, self._scale * np.sqrt(sigma), at, self._least)
 
 
-class Momentum(Quantity):
+class Momentum(Overlay):
     """Linear and angular momentum."""
 
     name, title = "momentum", "momentum"
 
     def __init__(
-        self, stage: Stage, root: str, points: Sequence[OperationalPoint], reach: float, robot: SpaceRobot
+        self, scene: MeshcatScene, root: str, points: Sequence[OperationalPoint], reach: float, robot: SpaceRobot
     ) -> None:
         self._arrows = {(part, kind): f"{root}/{kind} {part}" for part in _PARTS for kind in _MOMENTA}
         self.paths = list(self._arrows.values())
@@ -175,7 +175,7 @@ class Momentum(Quantity):
         mass = robot.total_mass
         self._largest = {"linear": _SLOW * mass, "angular": _SLOW * mass * (0.5 * reach) ** 2}
         for (_, kind), path in self._arrows.items():
-            arrow(stage, path, _MOMENTA[kind])
+            arrow(scene, path, _MOMENTA[kind])
 
     @property
     def legend(self) -> str:
@@ -195,7 +195,7 @@ class Momentum(Quantity):
             self._largest[kind] = float(largest) or self._largest[kind]
 
     def place(self, state: State) -> Placed:
-        """Place its nodes, as `Quantity.place`."""
+        """Place its nodes, as `Overlay.place`."""
         scale = float(np.linalg.norm(state.v)) * state.robot.total_mass
         for part, (h, at) in _momenta(state).items():
             for kind, vector in (("linear", h[:3]), ("angular", h[3:])):
@@ -205,7 +205,7 @@ class Momentum(Quantity):
                 yield self._arrows[part, kind], homogeneous(length * (_z_along(vector) if shown else np.eye(3)), at)
 
 
-def steadied(places: Sequence[Floats]) -> list[Floats]:
+def align_axes(places: Sequence[Floats]) -> list[Floats]:
     """Return placements of a ball (4, 4), axes numbered and signed as is nearest to those before.
 
     Eigenvectors come in any order and with any sign: between two that differ an ellipsoid would turn about itself.
@@ -224,7 +224,7 @@ def steadied(places: Sequence[Floats]) -> list[Floats]:
     return found
 
 
-QUANTITIES: tuple[type[Quantity], ...] = (MassCentre, OperationalInertia, Manipulability, Momentum)
+OVERLAYS: tuple[type[Overlay], ...] = (MassCentre, OperationalInertia, Manipulability, Momentum)
 
 
 def _linear(points: Sequence[OperationalPoint]) -> list[OperationalPoint]:

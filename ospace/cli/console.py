@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 
-def console(width: int, *, fits_terminal: bool = False) -> Console:
+def buffered_console(width: int, *, fits_terminal: bool = False) -> Console:
     """Return a console that keeps what is printed on it, with the colours that standard output can show.
 
     Names are of the file's making: ``:robot:`` in one is no picture.
@@ -29,9 +29,9 @@ def console(width: int, *, fits_terminal: bool = False) -> Console:
     )
 
 
-def text(written: Console) -> str:
+def buffered_text(written: Console) -> str:
     """Return what was printed, without the spaces that fill lines."""
-    kept = cast(io.StringIO, written.file)  # as `console` made it
+    kept = cast(io.StringIO, written.file)  # as `buffered_console` made it
     return "".join(f"{line.rstrip()}\n" for line in kept.getvalue().split("\n")[:-1])
 
 
