@@ -124,10 +124,10 @@ class SpaceRobot(Layout):
             The inertias make no physical sense.
         """
         _check_floating_base(model)
-        found = inertia.of_model(model)
-        if any_error(found):
-            raise UnsoundModelError(model.name, found)
-        return cls(pin.Model(model), found)
+        findings = inertia.check_model(model)
+        if any_error(findings):
+            raise UnsoundModelError(model.name, findings)
+        return cls(pin.Model(model), findings)
 
     # -- what it is ------------------------------------------------------------------------------------------
 

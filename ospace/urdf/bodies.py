@@ -52,7 +52,7 @@ class Body:
 
     @property
     def subject(self) -> str:
-        """How findings call it."""
+        """Return the name that findings use."""
         others = len(self.weighed) - 1
         return self.link.subject + (f" with {others} fixed to it" if others > 0 else "")
 
@@ -74,7 +74,13 @@ class Body:
 
 
 def placement(pose: Pose) -> tuple[Floats, Floats]:
-    """Return rotation and translation of a pose."""
+    """Compute rotation and translation of a pose.
+
+    Returns
+    -------
+    (3, 3), (3,)
+        R = Rz(yaw) Ry(pitch) Rx(roll), and the position in m; both in the axes of the frame above.
+    """
     (sx, sy, sz), (cx, cy, cz) = (tuple(map(turned, pose.rpy)) for turned in (math.sin, math.cos))
     rotation = [
         [cz * cy, cz * sy * sx - sz * cx, cz * sy * cx + sz * sx],
@@ -84,10 +90,15 @@ def placement(pose: Pose) -> tuple[Floats, Floats]:
     return np.array(rotation), np.array(pose.xyz)
 
 
-def rpy_of(quaternion: tuple[float, ...]) -> Triple:
-    """Return roll, pitch and yaw of a quaternion (x, y, z, w), whose length need not be one.
+def quaternion_to_rpy(quaternion: tuple[float, ...]) -> Triple:
+    """Compute roll, pitch and yaw of a quaternion (x, y, z, w), whose length need not be one.
 
     Yaw is taken after the roll is turned back: where the pitch is 90 deg and the two are one turn, they add up to it.
+
+    Returns
+    -------
+    tuple of float
+        Roll, pitch, yaw about fixed axes. rad.
     """
     length = math.hypot(*quaternion)
     x, y, z, w = (value / length for value in quaternion)
@@ -102,18 +113,38 @@ def rpy_of(quaternion: tuple[float, ...]) -> Triple:
 
 
 def tensor_of(inertial: Inertial) -> Floats:
-    """Return the tensor as a matrix, in the axes of the <inertial>."""
+    """Return the tensor of an <inertial> as a matrix.
+
+    Returns
+    -------
+    (3, 3)
+        About the centre of mass, in the axes of the <inertial>. kg m².
+    """
     xx, xy, xz, yy, yz, zz = inertial.tensor
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
 def bodies_of(description: Description) -> list[Body]:
-    """Merge the links of a description whose joints stand from the base outward; the base comes first."""
+    """Merge the links of a description whose joints stand from the base outward.
+
+    Returns
+    -------
+    list of Body
+        The base first, then one for each movable joint.
+    """
     return link_places(description)[0]
 
 
 def link_places(description: Description) -> tuple[list[Body], dict[str, tuple[int, Floats, Floats]]]:
-    """Return the bodies, and for each link by name the number of its body, and rotation and translation in it."""
+    """Merge links to bodies, and place each link in its body.
+
+    Returns
+    -------
+    list of Body
+        As `bodies_of`.
+    dict of str to (int, (3, 3), (3,))
+        For each link the number of its body, and its rotation and translation (m) in the body's frame.
+    """
     root = description.link[description.root]
     bodies = [Body(root, None, -1)]
     at = {root.name: (0, np.eye(3), np.zeros(3))}

@@ -23,16 +23,22 @@ from ospace.urdf.lint.findings import Finding, make_finding
 _BASE_NQ, _BASE_NV = 7, 6
 _LARGEST = sys.float_info.max  # Pinocchio's parser knows no infinity
 _STACK = 64 * 2**20  # bytes: Pinocchio's parser calls itself from link to link, and the caller's stack may be small
-_ALONE = threading.Lock()  # standard error and the size of new stacks are the whole process's
+_PROCESS_LOCK = threading.Lock()  # standard error and the size of new stacks are the whole process's
 
 
 def build(path: Path, description: Description) -> tuple[pin.Model, list[Finding]]:
-    """Return the model with a free-flyer, fixed joints merged, and findings on what its parser wrote to stderr.
+    """Build the model with a free-flyer, fixed joints merged.
+
+    Returns
+    -------
+    pin.Model
+    list of Finding
+        On what its parser wrote to standard error.
 
     Raises
     ------
     UrdfError
-        Pinocchio rejects it.
+        Pinocchio rejects the robot.
     """
     model, errors = _parsed(to_xml(description), _unused_name(description))
     if model is None:
@@ -40,17 +46,24 @@ def build(path: Path, description: Description) -> tuple[pin.Model, list[Finding
     return model, [make_finding("parser-error", "file", f"Pinocchio's parser says: {error}") for error in errors]
 
 
-def as_it_stands(content: bytes, description: Description, *, has_free_flyer: bool) -> tuple[pin.Model | None, str]:
-    """Return what Pinocchio makes of the file itself, None where it rejects it, and what its parser wrote to stderr.
+def build_original(content: bytes, description: Description, *, has_free_flyer: bool) -> tuple[pin.Model | None, str]:
+    """Build the model from the file itself, as Pinocchio's parser reads it.
 
     Parameters
     ----------
     content : bytes
-        Of a file whose links are one tree: on others the parser may not come back.
+        Of a file whose links form one tree: on others the parser may not come back.
     description : Description
         All links and joints of the file.
     has_free_flyer : bool
         Whether the file has a floating joint for the base.
+
+    Returns
+    -------
+    pin.Model or None
+        None where Pinocchio rejects the file.
+    str
+        The errors that its parser wrote to standard error.
     """
     model, errors = _parsed(content.decode("utf-8-sig"), None if has_free_flyer else _unused_name(description))
     return model, "; ".join(errors)
@@ -60,12 +73,12 @@ def _parsed(xml: str, base: str | None) -> tuple[pin.Model | None, list[str]]:
     """Let Pinocchio's parser read; return the model with limits that may be infinite, and the errors it wrote."""
     model, reason = None, ""
     free_flyer = () if base is None else (pin.JointModelFreeFlyer(), base)
-    with _ALONE, _captured_stderr() as said:
+    with _PROCESS_LOCK, _captured_stderr() as lines:
         try:
             model = _on_large_stack(lambda: pin.buildModelFromXML(xml, *free_flyer))
         except (ValueError, RuntimeError) as error:
             reason = " ".join(str(error).split())
-    errors = [" ".join(line.split()).removeprefix("Error: ") for line in said if line.strip().startswith("Error")]
+    errors = [" ".join(line.split()).removeprefix("Error: ") for line in lines if line.strip().startswith("Error")]
     if model is None:
         return None, errors or [reason]
     for limits in (
@@ -79,7 +92,12 @@ def _parsed(xml: str, base: str | None) -> tuple[pin.Model | None, list[str]]:
 
 
 def to_xml(description: Description) -> str:
-    """Write links with their inertials and joints as a URDF; numbers keep every digit."""
+    """Write links with their inertials, and joints, as a URDF; numbers keep every digit.
+
+    Returns
+    -------
+    str
+    """
     parts = [f"<robot name={quoteattr(description.name)}>"]
     parts += map(_link, description.links)
     parts += map(_joint, description.joints)
@@ -109,23 +127,23 @@ def _joint(joint: Joint) -> str:
     else:
         limit = joint.limit
         limits = {"lower": limit.lower, "upper": limit.upper, "effort": limit.effort, "velocity": limit.velocity}
-    given = " ".join(f'{key}="{max(-_LARGEST, min(_LARGEST, value))!r}"' for key, value in limits.items())
+    bounds = " ".join(f'{key}="{max(-_LARGEST, min(_LARGEST, value))!r}"' for key, value in limits.items())
     return (
-        f'{text}<axis xyz="{_words(joint.axis)}"/><limit {given}/>'
+        f'{text}<axis xyz="{_joined(joint.axis)}"/><limit {bounds}/>'
         f'<dynamics damping="{joint.damping!r}" friction="{joint.friction!r}"/></joint>'
     )
 
 
 def _origin(pose: Pose) -> str:
-    return f'<origin xyz="{_words(pose.xyz)}" rpy="{_words(pose.rpy)}"/>'
+    return f'<origin xyz="{_joined(pose.xyz)}" rpy="{_joined(pose.rpy)}"/>'
 
 
-def _words(values: tuple[float, ...]) -> str:
+def _joined(values: tuple[float, ...]) -> str:
     return " ".join(map(repr, values))
 
 
 def _unused_name(description: Description) -> str:
-    """Name for the free-flyer that no joint of the file bears: one that does would be welded to the base."""
+    """Choose a name for the free-flyer that no joint of the file bears: else that joint would be welded to the base."""
     name = "root_joint"
     while name in description.joint or name in description.link:
         name += "_"
@@ -144,20 +162,20 @@ def _on_large_stack(call: Callable[[], pin.Model]) -> pin.Model:
 @contextmanager
 def _captured_stderr() -> Iterator[list[str]]:
     """Catch what C++ writes to file descriptor 2; its lines are in the yielded list afterwards."""
-    said: list[str] = []
+    lines: list[str] = []
     if sys.stderr is not None:
         sys.stderr.flush()
     _occupy_stderr()
     with tempfile.TemporaryFile() as catch:
-        kept = os.dup(2)
+        saved = os.dup(2)
         os.dup2(catch.fileno(), 2)
         try:
-            yield said
+            yield lines
         finally:
-            os.dup2(kept, 2)
-            os.close(kept)
+            os.dup2(saved, 2)
+            os.close(saved)
             catch.seek(0)
-            said += catch.read().decode(errors="replace").splitlines()
+            lines += catch.read().decode(errors="replace").splitlines()
 
 
 def _occupy_stderr() -> None:

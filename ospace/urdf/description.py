@@ -59,7 +59,7 @@ class Link:
 
     @property
     def subject(self) -> str:
-        """How findings call it."""
+        """Return the name that findings use."""
         return f"link '{self.name}'"
 
 
@@ -102,13 +102,13 @@ class Joint:
 
     @property
     def subject(self) -> str:
-        """How findings call it."""
+        """Return the name that findings use."""
         return f"joint '{self.name}'"
 
 
 @dataclass(frozen=True)
 class Description:
-    """A robot as its file describes it; from `structure.ordered` on, each joint stands behind those on its way."""
+    """A robot as its file describes it; from `structure.order_joints` on, each joint stands behind those on its way."""
 
     name: str
     links: tuple[Link, ...]
@@ -116,16 +116,16 @@ class Description:
 
     @cached_property
     def link(self) -> dict[str, Link]:
-        """Links by name."""
+        """Return the links by name."""
         return {link.name: link for link in self.links}
 
     @cached_property
     def joint(self) -> dict[str, Joint]:
-        """Joints by name."""
+        """Return the joints by name."""
         return {joint.name: joint for joint in self.joints}
 
     @cached_property
     def root(self) -> str:
-        """Name of the link that is the child of no joint."""
+        """Return the name of the link that is the child of no joint."""
         children = {joint.child for joint in self.joints}
         return next(link.name for link in self.links if link.name not in children)

@@ -17,7 +17,7 @@ class UrdfError(OspaceError):
     path : Path
         The file.
     code : str
-        Stable name of the reason; ``ospace check --explain CODE`` tells more.
+        Stable name of the reason; ``ospace check --explain CODE`` explains it.
     line : int or None
         Line of the file, counted from 1.
     """

@@ -9,7 +9,13 @@ from ospace.kernels.tree import Floats
 
 
 def joint_axis(joint: pin.JointModel) -> Floats:
-    """Return the axis (3,) of a joint of one degree of freedom in its own frame: what of its column is not zero."""
+    """Return the axis of a joint of one degree of freedom: the part of its column that is not zero.
+
+    Returns
+    -------
+    (3,)
+        In the joint's own frame.
+    """
     data = joint.createData()
     q = np.zeros(joint.idx_q + joint.nq)
     q[joint.idx_q] = 1.0 if joint.nq == 2 else 0.0

@@ -14,7 +14,7 @@ _SPACE = " \t\r\n"
 
 
 class NumberError(ValueError):
-    """The text is no number; the message says why."""
+    """The text is not a number; the message says why."""
 
 
 class RangeError(NumberError):
@@ -24,10 +24,14 @@ class RangeError(NumberError):
 def number(text: str, largest: float = math.inf, smallest: float = 0.0) -> float:
     """Read one number, which white space may surround.
 
+    Returns
+    -------
+    float
+
     Raises
     ------
     NumberError
-        It is none, or none that is finite; `RangeError` where its size exceeds `largest`, or it is not zero and
+        The text is not a finite decimal number; `RangeError` where its size exceeds `largest`, or is not zero and
         smaller than `smallest`, or reads as zero.
     """
     word = without_space_around(text)
@@ -46,25 +50,50 @@ def number(text: str, largest: float = math.inf, smallest: float = 0.0) -> float
 
 
 def numbers(text: str, count: int, largest: float = math.inf, smallest: float = 0.0) -> tuple[float, ...]:
-    """Read `count` numbers that white space separates; raises as `number` does."""
-    given = words(text)
-    if len(given) != count:
-        raise NumberError(_hidden(text) or f"has {len(given)} numbers instead of {count}")
-    return tuple(number(word, largest, smallest) for word in given)
+    """Read `count` numbers that white space separates.
+
+    Returns
+    -------
+    tuple of float
+
+    Raises
+    ------
+    NumberError
+        There are more or fewer, or one of them is not a number, as `number` has it.
+    """
+    parts = words(text)
+    if len(parts) != count:
+        raise NumberError(_hidden(text) or f"has {len(parts)} numbers instead of {count}")
+    return tuple(number(word, largest, smallest) for word in parts)
 
 
 def words(text: str) -> list[str]:
-    """Split at the white space of XML, which alone separates numbers."""
+    """Split at the white space of XML, which alone separates numbers.
+
+    Returns
+    -------
+    list of str
+    """
     return [word for word in re.split(f"[{_SPACE}]+", text) if word]
 
 
 def has_space_around(text: str) -> bool:
-    """Whether white space surrounds the text."""
+    """Return whether white space surrounds the text.
+
+    Returns
+    -------
+    bool
+    """
     return text != without_space_around(text)
 
 
 def without_space_around(text: str) -> str:
-    """Return the text without the white space that surrounds it."""
+    """Return the text without the white space that surrounds it.
+
+    Returns
+    -------
+    str
+    """
     return text.strip(_SPACE)
 
 
@@ -82,7 +111,7 @@ def _reason(word: str) -> str:
     if _PLAIN.fullmatch(word.replace(",", ".", 1)):
         return "has a decimal comma"
     leading = _PLAIN.match(word)
-    return f"has '{word[leading.end() :].strip()}' behind the number" if leading else "is no number"
+    return f"has '{word[leading.end() :].strip()}' behind the number" if leading else "is not a number"
 
 
 def _hidden(text: str) -> str:

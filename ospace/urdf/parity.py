@@ -53,7 +53,7 @@ class _Difference:
     subjects: frozenset[str]
 
 
-def prove(path: Path, bodies: Sequence[Body], model: pin.Model) -> None:
+def check_built(path: Path, bodies: Sequence[Body], model: pin.Model) -> None:
     """Compare the model with the bodies of the file.
 
     Raises
@@ -67,8 +67,8 @@ def prove(path: Path, bodies: Sequence[Body], model: pin.Model) -> None:
         raise UrdfError(path, reason, "parity")
 
 
-def of_original(
-    bodies: Sequence[Body], model: pin.Model | None, said: str, known: Sequence[Finding]
+def check_original(
+    bodies: Sequence[Body], model: pin.Model | None, stderr: str, known: Sequence[Finding]
 ) -> Iterator[Finding]:
     """Compare with Pinocchio's reading of the file as it stands; what no finding explains is an error.
 
@@ -77,20 +77,27 @@ def of_original(
     bodies : sequence of Body
     model : pin.Model or None
         None where Pinocchio rejects the file.
-    said : str
+    stderr : str
         The errors that its parser wrote.
     known : sequence of Finding
-        All that was found in the file.
+        All findings on the file.
+
+    Returns
+    -------
+    iterator of Finding
+        One at most.
     """
     if model is None:
         if not any(finding.code in _REJECTED for finding in known):
-            yield make_finding("original-rejected", "file", f"Pinocchio's parser rejects the file: {said}")
+            yield make_finding("original-rejected", "file", f"Pinocchio's parser rejects the file: {stderr}")
         return
     explained = {finding.subject for finding in known if finding.code in _EXPLAINED}
     for difference in _differences(bodies, model):
         if not difference.subjects & explained:
             message = f"Pinocchio's own reading of the file differs: {difference.message}"
-            yield make_finding("original-differs", "file", f"{message}; its parser says: {said}" if said else message)
+            yield make_finding(
+                "original-differs", "file", f"{message}; its parser says: {stderr}" if stderr else message
+            )
             return
 
 
@@ -113,12 +120,12 @@ def _differences(bodies: Sequence[Body], model: pin.Model) -> Iterator[_Differen
             yield _Difference(f"no joint '{name}'", subjects)
             continue
         j = number[name]
-        for message in (*_of_body(body, model.inertias[j]), *_of_links(body, j, frames)):
+        for message in (*_compare_body(body, model.inertias[j]), *_compare_links(body, j, frames)):
             yield _Difference(message, subjects)
         if body.joint is not None:
             if model.parents[j] != number[at[body.parent]]:
                 yield _Difference(f"{body.joint.subject} hangs from '{names[model.parents[j]]}'", subjects)
-            for message in (*_of_placement(body, model.jointPlacements[j]), *_of_joint(body.joint, model, j)):
+            for message in (*_compare_placement(body, model.jointPlacements[j]), *_compare_joint(body.joint, model, j)):
                 yield _Difference(message, subjects)
 
 
@@ -133,7 +140,7 @@ def _as_xml(name: str) -> str:
     return name.translate({ord(letter): " " for letter in "\t\r\n"})
 
 
-def _of_body(body: Body, inertia: pin.Inertia) -> Iterator[str]:
+def _compare_body(body: Body, inertia: pin.Inertia) -> Iterator[str]:
     if not _near(body.mass, inertia.mass, body.mass):
         yield f"mass {inertia.mass:.12g} kg of {body.subject} instead of {body.mass:.12g} kg"
     reach = float(np.abs(body.centre).max()) + math.sqrt(body.size / body.mass) if body.mass > 0.0 else 0.0
@@ -143,7 +150,7 @@ def _of_body(body: Body, inertia: pin.Inertia) -> Iterator[str]:
         yield f"inertia {inertia.inertia.tolist()} of {body.subject} instead of {body.tensor.tolist()}"
 
 
-def _of_links(body: Body, j: int, frames: Mapping[str, pin.Frame]) -> Iterator[str]:
+def _compare_links(body: Body, j: int, frames: Mapping[str, pin.Frame]) -> Iterator[str]:
     for name, (rotation, translation) in body.placed.items():
         frame = frames.get(_as_xml(name))
         if frame is None:
@@ -154,13 +161,13 @@ def _of_links(body: Body, j: int, frames: Mapping[str, pin.Frame]) -> Iterator[s
             yield f"link '{name}' lies at {_written(frame.placement)} instead of {translation}, {rotation.tolist()}"
 
 
-def _of_placement(body: Body, placed: pin.SE3) -> Iterator[str]:
+def _compare_placement(body: Body, placed: pin.SE3) -> Iterator[str]:
     if not _same_place(body.rotation, body.translation, placed):
-        there = f"{body.translation}, {body.rotation.tolist()}"
-        yield f"joint of {body.subject} lies at {_written(placed)} instead of {there}"
+        expected = f"{body.translation}, {body.rotation.tolist()}"
+        yield f"joint of {body.subject} lies at {_written(placed)} instead of {expected}"
 
 
-def _of_joint(joint: Joint, model: pin.Model, j: int) -> Iterator[str]:
+def _compare_joint(joint: Joint, model: pin.Model, j: int) -> Iterator[str]:
     kind = model.joints[j].shortname().removeprefix("JointModel")
     if kind not in _TYPES[joint.kind]:
         yield f"{joint.subject} is of type {kind} instead of {joint.kind}"
@@ -173,14 +180,14 @@ def _of_joint(joint: Joint, model: pin.Model, j: int) -> Iterator[str]:
     q, v = model.idx_qs[j], model.idx_vs[j]
     limit = joint.limit
     effort, velocity = (math.inf, math.inf) if limit is None else (limit.effort, limit.velocity)
-    wanted = {"effort": (model.effortLimit[v], effort), "velocity": (model.velocityLimit[v], velocity)}
+    expected = {"effort": (model.effortLimit[v], effort), "velocity": (model.velocityLimit[v], velocity)}
     if joint.kind != "continuous":
         lower, upper = (-math.inf, math.inf) if limit is None else (limit.lower, limit.upper)
-        wanted |= {"lower": (model.lowerPositionLimit[q], lower), "upper": (model.upperPositionLimit[q], upper)}
-    wanted |= {"damping": (model.damping[v], joint.damping), "friction": (model.friction[v], joint.friction)}
-    for name, (there, meant) in wanted.items():
-        if there != meant:
-            yield f"{name} {there} of {joint.subject} instead of {meant}"
+        expected |= {"lower": (model.lowerPositionLimit[q], lower), "upper": (model.upperPositionLimit[q], upper)}
+    expected |= {"damping": (model.damping[v], joint.damping), "friction": (model.friction[v], joint.friction)}
+    for name, (actual, value) in expected.items():
+        if actual != value:
+            yield f"{name} {actual} of {joint.subject} instead of {value}"
 
 
 def _same_place(rotation: Floats, translation: Floats, placed: pin.SE3) -> bool:
@@ -192,5 +199,5 @@ def _written(placed: pin.SE3) -> str:
     return f"{placed.translation}, {placed.rotation.tolist()}"
 
 
-def _near(wanted: Floats | float, there: Floats | float, scale: float) -> bool:
-    return bool(np.all(np.abs(np.subtract(wanted, there)) <= _TOLERANCE * scale))
+def _near(expected: Floats | float, actual: Floats | float, scale: float) -> bool:
+    return bool(np.all(np.abs(np.subtract(expected, actual)) <= _TOLERANCE * scale))

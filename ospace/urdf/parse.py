@@ -13,10 +13,10 @@ from typing import Literal, cast
 from lxml import etree
 
 from ospace.exceptions import closest
-from ospace.urdf.bodies import rpy_of
+from ospace.urdf.bodies import quaternion_to_rpy
 from ospace.urdf.description import ZERO, Colour, Description, Inertial, Joint, Limit, Link, Mimic, Pose, Shape, Triple
 from ospace.urdf.lint.findings import Finding, make_finding
-from ospace.urdf.lint.foreign import dynamics_in, speaks_of_dynamics
+from ospace.urdf.lint.foreign import describe_dynamics, is_dynamics_name
 from ospace.urdf.lint.rules import Severity
 from ospace.urdf.numbers import (
     LARGEST,
@@ -29,7 +29,7 @@ from ospace.urdf.numbers import (
     numbers,
     words,
 )
-from ospace.urdf.source import LEFT_ALONE, line_of
+from ospace.urdf.source import EXTENSIONS, line_of
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 TOO_SHORT, OFF_UNIT = 1e-6, 1e-3
@@ -79,33 +79,52 @@ _DYNAMIC = {
     for name in (tag, *SCHEMA[tag][0])
     if name not in ("name", "type")
 }
-_MOVING = {"inertial", "origin", "mass", "inertia", "axis", "limit", "dynamics", "mimic", "parent", "child"}
-"""Elements that place, weigh, move or limit a body: what is not used of them is never told as an info only."""
-_TOLD, _SHOWN = 200, 40  # findings of one kind, characters of a text
+_PHYSICAL = {"inertial", "origin", "mass", "inertia", "axis", "limit", "dynamics", "mimic", "parent", "child"}
+"""Elements that place, weigh, move or limit a body: what is not used of them is a warning at least."""
+_LISTED, _SHOWN = 200, 40  # findings of one kind, characters of a text
 _SHORT = 4  # characters
 _SLIP = 2  # characters by which a misspelt name may be longer or shorter
 _SEVERAL = {"link", "joint", "material", "visual", "collision"}
 
 
 def parse(root: etree._Element, file_name: str) -> tuple[Description, list[Finding]]:
-    """Read links and joints below <robot>, which is called as its file where it has no name."""
-    reader = _Reader()
-    name = reader.name(root, file_name)
-    reader.version(root)
-    reader.look_at(root, deep=False)
+    """Read links and joints below <robot>.
+
+    Parameters
+    ----------
+    root : etree._Element
+        The element <robot>.
+    file_name : str
+        Name of the robot where <robot> has none.
+
+    Returns
+    -------
+    Description
+    list of Finding
+        Where one is an error, the value in its place does not matter.
+    """
+    parser = _Parser()
+    name = parser.name(root, file_name)
+    parser.version(root)
+    parser.check_element(root, deep=False)
     for element in root.iterfind("material"):
-        reader.material(element)
-    links = tuple(reader.link(element) for element in root.iterfind("link"))
-    joints = tuple(reader.joint(element) for element in root.iterfind("joint"))
-    return Description(name, links, joints), [*reader.findings, *reader.untold()]
+        parser.material(element)
+    links = tuple(parser.link(element) for element in root.iterfind("link"))
+    joints = tuple(parser.joint(element) for element in root.iterfind("joint"))
+    return Description(name, links, joints), [*parser.findings, *parser.omitted()]
 
 
 def has_quaternions(root: etree._Element) -> bool:
-    """Whether the version of URDF that <robot> declares knows quaternions, as 1.1 and all later ones do."""
+    """Return whether the declared version of URDF has quaternions, as 1.1 and all later ones do.
+
+    Returns
+    -------
+    bool
+    """
     return root.get("version", _VERSIONS[0]) != _VERSIONS[0]
 
 
-class _Reader:
+class _Parser:
     """Gathers findings on the way; where one is an error, the value in its place does not matter."""
 
     def __init__(self) -> None:
@@ -118,11 +137,11 @@ class _Reader:
         self.code = ""
 
     def name(self, root: etree._Element, file_name: str) -> str:
-        """Name of the robot."""
+        """Return the name of the robot, that of the file where <robot> has none."""
         name = root.get("name", "")
         if name.strip():
             return name
-        self._add("no-robot-name", f"<robot> has no name, taken as '{file_name}'", root)
+        self._report("no-robot-name", f"<robot> has no name, taken as '{file_name}'", root)
         return file_name
 
     def version(self, root: etree._Element) -> None:
@@ -131,14 +150,14 @@ class _Reader:
         self.quaternions = has_quaternions(root)
         if version not in _VERSIONS:
             message = f"version '{version}' of <robot> is unknown, read as {_VERSIONS[-1]}"
-            self._add("unknown-version", message, root, version)
+            self._report("unknown-version", message, root, version)
 
     # -- links -----------------------------------------------------------------------------------------------
 
     def link(self, element: etree._Element) -> Link:
         name = element.get("name", "")
         self.subject, self.code = f"link '{name}'", "inertial-unreadable"
-        self.look_at(element)
+        self.check_element(element)
         inertial = element.find("inertial")
         shapes = tuple(self._shapes(element))
         self.code = "inertial-unreadable"
@@ -148,7 +167,7 @@ class _Reader:
         mass, inertia = element.find("mass"), element.find("inertia")
         if mass is None or inertia is None:
             missing = " and ".join(f"<{tag}>" for tag in ("mass", "inertia") if element.find(tag) is None)
-            self._add(self.code, f"<inertial> has no {missing}", element)
+            self._report(self.code, f"<inertial> has no {missing}", element)
             return None
         before = self.errors
         tensor = [self._scalar(inertia, key, largest=LARGEST, smallest=SMALLEST) for key in TENSOR]
@@ -164,15 +183,15 @@ class _Reader:
         for key, of in _TRANSPOSED.items():
             if key not in inertia.attrib:
                 continue
-            value, given = self._scalar(inertia, key), inertia.get(key)
+            value, text = self._scalar(inertia, key), inertia.get(key)
             if math.isnan(value - tensor[of]):
                 continue
             if abs(value - tensor[of]) > _SYMMETRIC * max(map(abs, tensor.values())):
-                message = f"{key}='{given}' of <inertia> is not {of}='{inertia.get(of)}': the tensor is not symmetric"
-                self._add("inertia-asymmetric", message, inertia, given)
+                message = f"{key}='{text}' of <inertia> is not {of}='{inertia.get(of)}': the tensor is not symmetric"
+                self._report("inertia-asymmetric", message, inertia, text)
             else:
                 message = f"<inertia> has '{key}' as well, which equals '{of}'"
-                self._add("unknown-attribute", message, inertia, key, "info")
+                self._report("unknown-attribute", message, inertia, key, "info")
 
     def _shapes(self, link: etree._Element) -> Iterator[Shape]:
         self.code = "visual-unreadable"
@@ -182,7 +201,7 @@ class _Reader:
             colour = None if material is None else self._colour(material)
             shape = self._shape(element)
             if shape is not None and shape.kind != "mesh" and min(shape.size) < 0.0:
-                self._add(self.code, f"<{shape.kind}> has a negative size", element, " ".join(map(str, shape.size)))
+                self._report(self.code, f"<{shape.kind}> has a negative size", element, " ".join(map(str, shape.size)))
             if shape is not None and self.count[self.code] == before:
                 yield shape if colour is None else replace(shape, colour=colour)
 
@@ -190,7 +209,7 @@ class _Reader:
         role = cast(Literal["visual", "collision"], element.tag)
         child = next(element.iterfind("geometry/*"), None)
         if child is None:
-            self._add(self.code, f"<{role}> has no shape in a <geometry>", element)
+            self._report(self.code, f"<{role}> has no shape in a <geometry>", element)
             return None
         pose, line = self._pose(element), line_of(child)
         if child.tag == "mesh":
@@ -204,13 +223,13 @@ class _Reader:
             kind = cast(Literal["cylinder", "capsule"], child.tag)
             radius, length = (self._scalar(child, key, largest=LARGEST) for key in ("radius", "length"))
             return Shape(line, role, pose, kind, (radius, length))
-        self._add(self.code, f"<{role}> has the unknown shape <{_tag(child)}>", child)
+        self._report(self.code, f"<{role}> has the unknown shape <{_tag(child)}>", child)
         return None
 
     def material(self, element: etree._Element) -> None:
         """Look at a material that stands below <robot>."""
         self.subject, self.code = f"material '{element.get('name', '')}'", "visual-unreadable"
-        self.look_at(element)
+        self.check_element(element)
         self._colour(element)
 
     def _colour(self, material: etree._Element) -> Colour | None:
@@ -232,11 +251,11 @@ class _Reader:
     def joint(self, element: etree._Element) -> Joint:
         name, kind = element.get("name", ""), element.get("type", "")
         self.subject, self.code = f"joint '{name}'", "number-unreadable"
-        self.look_at(element)
+        self.check_element(element)
         if kind not in KINDS:
             what = f"type '{kind}' is unknown" if kind else "has no type"
-            self._add("joint-type", f"{what}{closest(kind, KINDS) if kind else ''}", element, kind)
-        self._look_at_unused_numbers(element)
+            self._report("joint-type", f"{what}{closest(kind, KINDS) if kind else ''}", element, kind)
+        self._check_unused_numbers(element)
         ends = [element.find(end) for end in ("parent", "child")]
         parent, child = ("" if end is None else end.get("link", "") for end in ends)
         return Joint(
@@ -257,23 +276,23 @@ class _Reader:
         if axis is None or kind in ("fixed", "floating"):
             return (1.0, 0.0, 0.0)
         before, text = self.errors, axis.get("xyz", "")
-        given = self._vector(axis, "xyz", None)
+        values = self._vector(axis, "xyz", None)
         if self.errors > before:
-            return given
-        length = math.hypot(*given)
+            return values
+        length = math.hypot(*values)
         if length < TOO_SHORT:
-            self._add("axis-zero", f"its axis '{text}' has no length", axis, text)
-            return given
+            self._report("axis-zero", f"its axis '{text}' has no length", axis, text)
+            return values
         if abs(length - 1.0) > OFF_UNIT:
-            self._add("axis-not-unit", f"its axis '{text}' has length {length:.6g}", axis, text)
-        return given if length == 1.0 else (given[0] / length, given[1] / length, given[2] / length)
+            self._report("axis-not-unit", f"its axis '{text}' has length {length:.6g}", axis, text)
+        return values if length == 1.0 else (values[0] / length, values[1] / length, values[2] / length)
 
     def _limit(self, joint: etree._Element, kind: str) -> Limit | None:
         limit = joint.find("limit")
         if limit is None or kind == "fixed":
             return None
         if kind in ("floating", "planar"):
-            self._add("value-not-used", f"<limit> of a {kind} joint is not used", limit)
+            self._report("value-not-used", f"<limit> of a {kind} joint is not used", limit)
             return None
         lower, upper = self._scalar(limit, "lower", 0.0), self._scalar(limit, "upper", 0.0)
         unused = [key for key in ("acceleration", "deceleration", "jerk") if key in limit.attrib]
@@ -283,10 +302,10 @@ class _Reader:
             lower, upper = -math.inf, math.inf
         if unused:
             message = f"{', '.join(unused)} of <limit> {'is' if len(unused) == 1 else 'are'} not used"
-            self._add("value-not-used", f"{message} with a {kind} joint", limit)
+            self._report("value-not-used", f"{message} with a {kind} joint", limit)
         missing = [key for key in ("effort", "velocity") if key not in limit.attrib]
         if missing:
-            self._add("effort-missing", f"<limit> has no {' and no '.join(missing)}, read as unlimited", limit)
+            self._report("effort-missing", f"<limit> has no {' and no '.join(missing)}, read as unlimited", limit)
         effort, velocity = (self._scalar(limit, key, math.inf) for key in ("effort", "velocity"))
         return Limit(line_of(limit), *map(_or_none, (lower, upper, effort, velocity)))
 
@@ -296,18 +315,18 @@ class _Reader:
             return 0.0, 0.0
         damping, friction = (self._scalar(dynamics, key, 0.0) for key in ("damping", "friction"))
         if kind in ("floating", "planar") and (damping or friction):
-            self._add("value-not-used", f"<dynamics> of a {kind} joint is not used", dynamics)
+            self._report("value-not-used", f"<dynamics> of a {kind} joint is not used", dynamics)
         return damping, friction
 
-    def _look_at_unused_numbers(self, joint: etree._Element) -> None:
-        """Tell of numbers that ospace does not need and other readers stumble over."""
+    def _check_unused_numbers(self, joint: etree._Element) -> None:
+        """Report numbers that ospace does not need and other readers may reject."""
         for element in joint.iterchildren("safety_controller", "calibration"):
             for key in SCHEMA[_tag(element)][0]:
                 try:
                     number(element.get(key, "0"))
                 except NumberError as error:
                     message = f"{key}='{element.get(key)}' of <{_tag(element)}>, which is not used, {error}"
-                    self._add(self.code, message, element, element.get(key), "warning")
+                    self._report(self.code, message, element, element.get(key), "warning")
 
     def _mimic(self, joint: etree._Element) -> Mimic | None:
         mimic = joint.find("mimic")
@@ -332,22 +351,22 @@ class _Reader:
             return rpy
         if "rpy" in origin.attrib:
             message = f"<origin> has two orientations, rpy='{origin.get('rpy')}' and quat_xyzw='{text}'"
-            self._add("two-orientations", message, origin, text)
+            self._report("two-orientations", message, origin, text)
             return rpy
         quaternion = self._tuple(origin, "quat_xyzw", 4)
         if quaternion is None:
             return rpy
         length = math.hypot(*quaternion)
         if length < TOO_SHORT:
-            self._add(self.code, f"quat_xyzw='{text}' of <origin> has no length", origin, text)
+            self._report(self.code, f"quat_xyzw='{text}' of <origin> has no length", origin, text)
             return rpy
         if not self.quaternions:
             message = f"quat_xyzw='{text}' of <origin> is not used: the file is URDF 1.0, which has none"
-            self._add("quaternion-ignored", message, origin, text)
+            self._report("quaternion-ignored", message, origin, text)
             return rpy
         if abs(length - 1.0) > OFF_UNIT:
-            self._add("quaternion-not-unit", f"quat_xyzw='{text}' of <origin> has length {length:.6g}", origin, text)
-        return rpy_of(quaternion)
+            self._report("quaternion-not-unit", f"quat_xyzw='{text}' of <origin> has length {length:.6g}", origin, text)
+        return quaternion_to_rpy(quaternion)
 
     def _scalar(
         self,
@@ -361,16 +380,16 @@ class _Reader:
         text = element.get(key)
         if text is None:
             if default is None:
-                self._add(self.code, f"<{_tag(element)}> has no {key}", element)
+                self._report(self.code, f"<{_tag(element)}> has no {key}", element)
             return 0.0 if default is None else default
         if has_space_around(text) and words(text):
             message = f"{key}='{text}' of <{_tag(element)}> has white space around the number"
-            self._add("number-spaces", message, element, text)
+            self._report("number-spaces", message, element, text)
         try:
             return number(text, largest, smallest)
         except NumberError as error:
             self._unreadable(element, key, text, error)
-            return math.nan  # which compares with nothing, so that nothing more is found of it
+            return math.nan  # which compares with nothing, so that no further finding follows from it
 
     def _vector(self, element: etree._Element, key: str, default: Triple | None) -> Triple:
         if default is not None and key not in element.attrib:
@@ -385,11 +404,11 @@ class _Reader:
         """Read so many numbers; None, and a finding, where they are not there or cannot be read."""
         text = element.get(key)
         if text is None:
-            self._add(self.code, f"<{_tag(element)}> has no {key}", element)
+            self._report(self.code, f"<{_tag(element)}> has no {key}", element)
             return None
         if has_space_around(text) and words(text):
             message = f"{key}='{text}' of <{_tag(element)}> has white space around the numbers"
-            self._add("number-spaces", message, element, text, "info")
+            self._report("number-spaces", message, element, text, "info")
         try:
             return numbers(text, count, LARGEST)
         except NumberError as error:
@@ -401,90 +420,90 @@ class _Reader:
         code = "number-range" if out_of_range else self.code
         boundless = _tag(element) == "limit" and text.strip().lower().lstrip("+-") in ("inf", "infinity")
         hint = "; for no limit write a number that is never reached, such as 1e9" if boundless else ""
-        self._add(code, f"{key}='{text}' of <{_tag(element)}> {error}{hint}", element, text)
+        self._report(code, f"{key}='{text}' of <{_tag(element)}> {error}{hint}", element, text)
 
     # -- what is not read ------------------------------------------------------------------------------------
 
-    def look_at(self, element: etree._Element, *, deep: bool = True) -> None:
+    def check_element(self, element: etree._Element, *, deep: bool = True) -> None:
         """Name what stands in an element, and in those below it if `deep`, and is not read or stands twice."""
         tag = _tag(element)
         attributes, children = SCHEMA[tag]
         for key in map(str, element.attrib):
-            self._look_at_attribute(element, key, attributes)
-        self._look_at_text(element)
+            self._check_attribute(element, key, attributes)
+        self._check_text(element)
         seen: set[str] = set()
         for child in element.iterchildren(etree.Element):
             name = _tag(child)
             if name not in children:
-                self._look_at_foreign(element, child)
+                self._check_foreign(element, child)
                 continue
             if name in seen and name not in _SEVERAL:
                 message = f"<{tag}> has a second <{name}>"
-                self._add("duplicate-element", message, child, severity="warning" if tag in _DRAWN else None)
+                self._report("duplicate-element", message, child, severity="warning" if tag in _DRAWN else None)
             seen.add(name)
             if deep:
-                self.look_at(child)
+                self.check_element(child)
 
-    def _look_at_attribute(self, element: etree._Element, key: str, known: Iterable[str]) -> None:
+    def _check_attribute(self, element: etree._Element, key: str, known: Iterable[str]) -> None:
         tag, name = _tag(element), etree.QName(key).localname
         if key in known or (tag == "inertia" and key in _TRANSPOSED):
             return
-        if key == name or tag in _MOVING or speaks_of_dynamics(name):
+        if key == name or tag in _PHYSICAL or is_dynamics_name(name):
             self._unknown("unknown-attribute", f"<{tag}> has the unknown attribute '{name}'", name, tag, element)
 
-    def _look_at_text(self, element: etree._Element) -> None:
+    def _check_text(self, element: etree._Element) -> None:
         for text in (element.text, *(child.tail for child in element)):
             if text and (stray := " ".join(text.split())):
                 shown = stray if len(stray) <= _SHOWN else stray[:_SHOWN] + "…"
-                self._add("stray-text", f"<{_tag(element)}> has the text '{shown}'", element, shown)
+                self._report("stray-text", f"<{_tag(element)}> has the text '{shown}'", element, shown)
 
-    def _look_at_foreign(self, above: etree._Element, element: etree._Element) -> None:
+    def _check_foreign(self, above: etree._Element, element: etree._Element) -> None:
         name, tag = _tag(element), _tag(above)
         what = f"<{tag}> has the unknown element <{_local(element)}>"
-        if name in LEFT_ALONE:
-            self._look_at_dynamics(element, of_robot=False)
+        if name in EXTENSIONS:
+            self._report_dynamics(element, of_robot=False)
         elif _local(element) == "include":
-            self._add("unknown-element", f"{what}: no other file is drawn in", element, name, "error")
-        elif any(_local(one).lower() in _BODIES for one in element.iter(etree.Element)):
+            self._report("unknown-element", f"{what}: no other file is included", element, name, "error")
+        elif any(_local(part).lower() in _BODIES for part in element.iter(etree.Element)):
             parts = "" if _local(element).lower() in _BODIES else " with links, joints or inertials in it"
-            self._add("unknown-element", f"{what}{parts}, which is not read", element, name, "error")
+            self._report("unknown-element", f"{what}{parts}, which is not read", element, name, "error")
         elif (
             tag not in _DRAWN
             and not self._near("unknown-element", name, tag)
-            and self._look_at_dynamics(element, of_robot=True)
+            and self._report_dynamics(element, of_robot=True)
         ):
             return
-        elif tag in _MOVING or not (tag == "geometry" or name.startswith("{")):  # shapes are looked at where read
+        elif tag in _PHYSICAL or not (tag == "geometry" or name.startswith("{")):  # shapes are looked at where read
             self._unknown("unknown-element", what, _local(element), tag, element)
 
-    def _look_at_dynamics(self, element: etree._Element, *, of_robot: bool) -> bool:
-        """Tell what of dynamics stands in an element that is not read, if anything does."""
-        named = dynamics_in(element, of_robot=of_robot)
+    def _report_dynamics(self, element: etree._Element, *, of_robot: bool) -> bool:
+        """Report what of dynamics stands in an element that is not read, if anything does."""
+        named = describe_dynamics(element, of_robot=of_robot)
         if named:
             whose = f" '{element.get('name')}'" if element.get("name") else ""
             message = f"{named} of <{_local(element)}>{whose} is not used"
             if named == f"<{_local(element)}>":
                 message = f"{named}{whose} is not used"
-            self._add("dynamics-not-used", message, element, _local(element))
+            self._report("dynamics-not-used", message, element, _local(element))
         return bool(named)
 
     def _unknown(self, code: str, what: str, name: str, tag: str, element: etree._Element) -> None:
         """Take a name that URDF has elsewhere, or that is near to one it has here, for a slip; others are foreign."""
         near = self._near(code, name, tag)
         message = f"{what}; did you mean '{near}'?" if near else what
-        grave = near or tag in _MOVING or name.lower() in _DYNAMIC or speaks_of_dynamics(name)
-        self._add(code, message, element, name, None if grave else "info")
+        grave = near or tag in _PHYSICAL or name.lower() in _DYNAMIC or is_dynamics_name(name)
+        self._report(code, message, element, name, None if grave else "info")
 
     def _near(self, code: str, name: str, tag: str) -> str:
         """Return what of <tag> is misspelt as `name`, if anything; letters enough of a long name are in any other."""
-        if self.count[code] >= _TOLD:
+        if self.count[code] >= _LISTED:
             return ""
         known = SCHEMA[tag][0 if code == "unknown-attribute" else 1]
         cutoff = 0.6 if len(name) <= _SHORT else 0.75
         near = difflib.get_close_matches(name[:100].lower(), known, n=1, cutoff=cutoff)
         return near[0] if near and abs(len(near[0]) - len(name)) <= _SLIP else ""
 
-    def _add(
+    def _report(
         self,
         code: str,
         message: str,
@@ -495,14 +514,14 @@ class _Reader:
         finding = make_finding(code, self.subject, message, line=line_of(element), value=value, severity=severity)
         self.errors += finding.severity == "error"
         self.count[code] += 1
-        if self.count[code] <= _TOLD:
+        if self.count[code] <= _LISTED:
             self.findings.append(finding)
 
-    def untold(self) -> Iterator[Finding]:
+    def omitted(self) -> Iterator[Finding]:
         """Say how many findings of a kind are left out."""
         for code, count in self.count.items():
-            if count > _TOLD:
-                yield make_finding(code, "file", f"{count - _TOLD} more of this kind are not told")
+            if count > _LISTED:
+                yield make_finding(code, "file", f"{count - _LISTED} more of this kind are not listed")
 
 
 def _or_none(limit: float) -> float:

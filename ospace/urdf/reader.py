@@ -11,10 +11,10 @@ import pinocchio as pin
 from ospace.exceptions import printable
 from ospace.urdf import parity, source, structure
 from ospace.urdf.bodies import bodies_of
-from ospace.urdf.build import as_it_stands, build
+from ospace.urdf.build import build, build_original
 from ospace.urdf.description import Description
 from ospace.urdf.lint import inertia, joints, meshes, plausibility
-from ospace.urdf.lint.findings import Finding, any_error, gravest_first
+from ospace.urdf.lint.findings import Finding, any_error, by_severity
 from ospace.urdf.parse import parse
 from ospace.urdf.source import Limits
 
@@ -53,17 +53,22 @@ def read(
     free_mimic : bool
         Take joints that mimic others as independent, with a warning; else they are an error.
 
+    Returns
+    -------
+    Reading
+        Description, findings, and the model unless a finding is an error.
+
     Raises
     ------
     UrdfError
-        The file cannot be read, is no URDF, or its links are no tree.
+        The file cannot be read, is not a URDF, or its links do not form a tree.
     """
     limits = limits or Limits()
-    content = source.content_of(path, limits)
-    return of_content(path, content, package_dirs=package_dirs, limits=limits, free_mimic=free_mimic)
+    content = source.read_file(path, limits)
+    return read_content(path, content, package_dirs=package_dirs, limits=limits, free_mimic=free_mimic)
 
 
-def of_content(
+def read_content(
     path: Path,
     content: bytes,
     *,
@@ -71,29 +76,39 @@ def of_content(
     limits: Limits | None = None,
     free_mimic: bool = False,
 ) -> Reading:
-    """Read what stands in the URDF at `path`, or would; as `read` does otherwise."""
+    """Read `content` as that of the URDF at `path`; parameters and errors are those of `read`.
+
+    Returns
+    -------
+    Reading
+
+    Raises
+    ------
+    UrdfError
+        The content is not a URDF, or its links do not form a tree.
+    """
     limits = limits or Limits()
     root = source.parse(path, content, limits)
     source.check_format(path, root)
     structure.check_size(path, root, limits)
     description, findings = parse(root, printable(path.stem))
-    whole = structure.ordered(path, description, limits)
-    description, of_base = structure.with_floating_base(whole)
+    described = structure.order_joints(path, description, limits)
+    description, of_base = structure.with_floating_base(described)
     structure.check_dof(path, description, limits)
     bodies = bodies_of(description)
     findings += of_base
-    findings += joints.of_joints(description, free_mimic=free_mimic)
-    # A link whose <inertial> cannot be read seems massless here: what follows from that is not to be told.
+    findings += joints.check_joints(description, free_mimic=free_mimic)
+    # A link whose <inertial> cannot be read seems massless here: what follows from that is not reported.
     if not any(finding.code in _NO_INERTIAL for finding in findings):
-        findings += inertia.of_description(bodies)
-    findings += plausibility.of_links(description)
-    findings += plausibility.of_bodies(bodies)
-    findings += meshes.of_shapes(description, path, package_dirs)
+        findings += inertia.check_bodies(bodies)
+    findings += plausibility.check_links(description)
+    findings += plausibility.check_mass_ratio(bodies)
+    findings += meshes.check_meshes(description, path, package_dirs)
     if any_error(findings):
-        return Reading(description, gravest_first(findings), None)
-    model, said = build(path, description)
-    parity.prove(path, bodies, model)
-    original, errors = as_it_stands(content, whole, has_free_flyer=description.root != whole.root)
-    said += parity.of_original(bodies, original, errors, findings)
-    findings += said
-    return Reading(description, gravest_first(findings), None if any_error(said) else model)
+        return Reading(description, by_severity(findings), None)
+    model, built = build(path, description)
+    parity.check_built(path, bodies, model)
+    original, errors = build_original(content, described, has_free_flyer=description.root != described.root)
+    built += parity.check_original(bodies, original, errors, findings)
+    findings += built
+    return Reading(description, by_severity(findings), None if any_error(built) else model)

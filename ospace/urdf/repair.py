@@ -21,7 +21,7 @@ from lxml import etree
 from ospace.exceptions import OspaceError, printable
 from ospace.kernels.tree import Floats
 from ospace.urdf import reader, source
-from ospace.urdf.lint.inertia import ROUNDED, judge
+from ospace.urdf.lint.inertia import ROUNDED, classify_tensor
 from ospace.urdf.numbers import NumberError, has_space_around, numbers, without_space_around, words
 from ospace.urdf.parse import OFF_UNIT, SCHEMA, TENSOR, TOO_SHORT, has_quaternions
 from ospace.urdf.source import Limits, line_of
@@ -66,19 +66,23 @@ class _Edit:
 
 
 def write(path: Path, out: Path, limits: Limits | None = None) -> list[Change]:
-    """Write a repaired copy of `path` to `out`; return the changes, and write nothing where there are none.
+    """Write a repaired copy of `path` to `out`, and nothing where there is nothing to repair.
+
+    Returns
+    -------
+    list of Change
 
     Raises
     ------
     UrdfError
-        The file cannot be read, is no URDF, or its links are no tree.
+        The file cannot be read, is not a URDF, or its links do not form a tree.
     OspaceError
         `out` exists, or cannot be written.
     """
     if os.path.lexists(out):
         raise OspaceError(f"{out}: exists already, and nothing is overwritten: give another name")
-    content, changes = repaired(path, limits)
-    reader.of_content(path, content, limits=limits)  # nothing is written that could not be read again
+    content, changes = repair_content(path, limits)
+    reader.read_content(path, content, limits=limits)  # nothing is written that could not be read again
     if changes:
         try:
             _write_new(out, content)
@@ -98,17 +102,29 @@ def _write_new(out: Path, content: bytes) -> None:
             raise
 
 
-def repaired(path: Path, limits: Limits | None = None) -> tuple[bytes, list[Change]]:
-    """Return the content of a repaired copy of `path`, and what was changed."""
+def repair_content(path: Path, limits: Limits | None = None) -> tuple[bytes, list[Change]]:
+    """Repair the content of the file at `path`, which stays as it is.
+
+    Returns
+    -------
+    bytes
+        Content of the repaired copy.
+    list of Change
+
+    Raises
+    ------
+    UrdfError
+        The file cannot be read, or is not a URDF.
+    """
     limits = limits or Limits()
-    content = source.content_of(path, limits)
+    content = source.read_file(path, limits)
     root = source.parse(path, content, limits)
     source.check_format(path, root)
-    found = [*_spaces(root), *_axes(root), *_quaternions(root), *_limits(root), *_tensors(root)]
-    return _edited(content, root, [edit for edit, _ in found]), [change for _, change in found]
+    edits = [*_spaces(root), *_axes(root), *_quaternions(root), *_limits(root), *_tensors(root)]
+    return _edited(content, root, [edit for edit, _ in edits]), [change for _, change in edits]
 
 
-# -- what is repaired --------------------------------------------------------------------------------------------
+# -- what is repaired --------------------------------------------------------------------------------------------------
 
 
 def _spaces(root: etree._Element) -> Iterator[tuple[_Edit, Change]]:
@@ -126,12 +142,12 @@ def _spaces(root: etree._Element) -> Iterator[tuple[_Edit, Change]]:
 def _axes(root: etree._Element) -> Iterator[tuple[_Edit, Change]]:
     for joint in root.iterfind("joint"):
         axis = joint.find("axis")
-        given = None if axis is None else _read(axis.get("xyz", ""), 3)
-        if axis is None or given is None or joint.get("type") in ("fixed", "floating"):
+        values = None if axis is None else _read(axis.get("xyz", ""), 3)
+        if axis is None or values is None or joint.get("type") in ("fixed", "floating"):
             continue
-        length = math.hypot(*given)
+        length = math.hypot(*values)
         if length >= TOO_SHORT and abs(length - 1.0) > OFF_UNIT:
-            text = " ".join(_plain(value / length) for value in given)
+            text = " ".join(_plain(value / length) for value in values)
             what = f"its axis '{axis.get('xyz')}' becomes '{text}'"
             yield _Edit(axis, {"xyz": text}), _change("axis-not-unit", axis, what)
 
@@ -139,10 +155,10 @@ def _axes(root: etree._Element) -> Iterator[tuple[_Edit, Change]]:
 def _quaternions(root: etree._Element) -> Iterator[tuple[_Edit, Change]]:
     for where in _ORIGINS if has_quaternions(root) else ():
         for origin in root.iterfind(where):
-            given = _read(origin.get("quat_xyzw", ""), 4)
-            length = 0.0 if given is None else math.hypot(*given)
-            if given is not None and length >= TOO_SHORT and abs(length - 1.0) > OFF_UNIT:
-                text = " ".join(_plain(value / length) for value in given)
+            values = _read(origin.get("quat_xyzw", ""), 4)
+            length = 0.0 if values is None else math.hypot(*values)
+            if values is not None and length >= TOO_SHORT and abs(length - 1.0) > OFF_UNIT:
+                text = " ".join(_plain(value / length) for value in values)
                 what = f"quat_xyzw '{origin.get('quat_xyzw')}' becomes '{text}'"
                 yield _Edit(origin, {"quat_xyzw": text}), _change("quaternion-not-unit", origin, what)
 
@@ -168,15 +184,15 @@ def _tensors(root: etree._Element) -> Iterator[tuple[_Edit, Change]]:
         if element is None or mass is None:
             continue
         read = [_read(element.get(key, ""), 1) for key in TENSOR] + [_read(mass.get("value", ""), 1)]
-        given = [value[0] for value in read if value is not None]
-        if len(given) < len(read) or given[-1] < 0.0:
+        values = [value[0] for value in read if value is not None]
+        if len(values) < len(read) or values[-1] < 0.0:
             continue
-        xx, xy, xz, yy, yz, zz, kilograms = given
+        xx, xy, xz, yy, yz, zz, kilograms = values
         tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        code, share = judge(kilograms, tensor)
+        code, share = classify_tensor(kilograms, tensor)
         if code and share <= ROUNDED:
             nearest = dict(zip(TENSOR, _nearest(tensor)[np.triu_indices(3)].tolist(), strict=True))
-            now = dict(zip(TENSOR, given, strict=False))
+            now = dict(zip(TENSOR, values, strict=False))
             changed = {key: _plain(nearest[key]) for key in TENSOR if nearest[key] != now[key]}
             what = ", ".join(f"{key} '{element.get(key)}' becomes '{text}'" for key, text in changed.items())
             yield _Edit(element, changed), _change(code, element, what)
@@ -201,7 +217,7 @@ def _plain(value: float) -> str:
 
 
 def _change(code: str, element: etree._Element, what: str) -> Change:
-    part = next(one for one in (element, *element.iterancestors()) if one.tag in ("link", "joint", "material"))
+    part = next(item for item in (element, *element.iterancestors()) if item.tag in ("link", "joint", "material"))
     return Change(code, f"{part.tag!s} '{part.get('name', '')}'", line_of(element), what)
 
 

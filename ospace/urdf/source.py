@@ -16,7 +16,7 @@ from ospace.urdf.errors import UrdfError
 
 _XACRO = "http://www.ros.org/wiki/xacro"
 _XACRO_VALUE = re.compile(r"\$\{|\$\((find|arg|env|optenv|anon|eval|dirname)\b")
-LEFT_ALONE = {"gazebo", "sensor", "transmission", "ros2_control", "contact"}
+EXTENSIONS = {"gazebo", "sensor", "transmission", "ros2_control", "contact"}
 """Elements of other programs, which may hold anything."""
 _LAST_LINE = 65535  # libxml2 counts no further
 _UNEXPANDED = "is an unexpanded xacro: expand it first (xacro robot.xacro > robot.urdf)"
@@ -72,13 +72,17 @@ class Limits:
     dof: int = 150
 
 
-def content_of(path: Path, limits: Limits) -> bytes:
+def read_file(path: Path, limits: Limits) -> bytes:
     """Read the file: regular, not too large, UTF-8 text.
+
+    Returns
+    -------
+    bytes
 
     Raises
     ------
     UrdfError
-        It is not, or cannot be read.
+        The file is missing, not a regular file, larger than `limits.bytes`, not UTF-8 text, or cannot be read.
     """
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # a FIFO would wait for its writer
@@ -108,22 +112,27 @@ def _check_text(path: Path, content: bytes) -> None:
             raise UrdfError(path, f"{what}: give a URDF in UTF-8", "not-text")
     where = content.find(b"\0")
     if where >= 0:
-        raise UrdfError(path, "has a NUL byte: it is no text", "not-text", content.count(b"\n", 0, where) + 1)
+        raise UrdfError(path, "has a NUL byte: it is not text", "not-text", content.count(b"\n", 0, where) + 1)
     try:
         content.decode("utf-8")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
-        reason = f"has the byte 0x{content[error.start]:02x}, which is no UTF-8: convert the file"
+        reason = f"has the byte 0x{content[error.start]:02x}, which is not UTF-8: convert the file"
         raise UrdfError(path, reason, "not-text", line) from None
 
 
 def parse(path: Path, content: bytes, limits: Limits) -> etree._Element:
     """Parse the content; no entity is expanded, and nothing else is opened.
 
+    Returns
+    -------
+    etree._Element
+        The root, without comments; each element knows the line in which its tag starts.
+
     Raises
     ------
     UrdfError
-        It is no well-formed XML, has a document type, or exceeds a limit.
+        The content is not well-formed XML, has a document type, or exceeds a limit.
     """
     scan = _Scan(path, limits)
     scan.run(content)
@@ -139,7 +148,7 @@ def parse(path: Path, content: bytes, limits: Limits) -> etree._Element:
     try:
         root = etree.fromstring(content, parser)
     except etree.XMLSyntaxError as error:
-        raise UrdfError(path, f"is no well-formed XML: {error.msg}", "not-xml", error.lineno or None) from None
+        raise UrdfError(path, f"is not well-formed XML: {error.msg}", "not-xml", error.lineno or None) from None
     for element, line in zip(root.iter(etree.Element), scan.lines, strict=True):
         # libxml2's own is the line in which the tag ends. lxml can set it, which its stubs do not know.
         element.sourceline = min(line, _LAST_LINE)  # type: ignore[misc]
@@ -169,7 +178,7 @@ class _Scan:
             if self.root.lower() in _FORMATS:  # as HTML, which need not be well-formed XML
                 self._refuse_format(self.root)
             reason = expat.errors.messages[error.code]
-            raise UrdfError(self.path, f"is no well-formed XML: {reason}", "not-xml", error.lineno) from None
+            raise UrdfError(self.path, f"is not well-formed XML: {reason}", "not-xml", error.lineno) from None
 
     def _refuse(self, reason: str, code: str) -> NoReturn:
         raise UrdfError(self.path, reason, code, self.parser.CurrentLineNumber)
@@ -177,12 +186,12 @@ class _Scan:
     def _refuse_format(self, root: str) -> NoReturn:
         self._refuse(_not_urdf(root), "not-urdf")
 
-    def _doctype(self, name: str, *given: object) -> None:
+    def _doctype(self, name: str, *arguments: object) -> None:
         if name.lower() in _FORMATS:
             self._refuse_format(name)
         self._refuse("has a document type declaration, which a URDF does not have: remove it", "doctype")
 
-    def _node(self, *given: object) -> None:
+    def _node(self, *arguments: object) -> None:
         self.nodes += 1
         if self.nodes > self.limits.nodes:
             reason = f"has more than {self.limits.nodes} elements, attributes and comments (--max-nodes)"
@@ -211,14 +220,20 @@ class _Scan:
 
 
 def check_format(path: Path, root: etree._Element) -> None:
-    """Raise `UrdfError` where the tree is no URDF, naming what it is instead."""
+    """Refuse a tree that is not a URDF, and name what it is instead.
+
+    Raises
+    ------
+    UrdfError
+        The root is not <robot>, a <robot> stands inside it, or xacro is left to be expanded.
+    """
     if root.tag != "robot":
         name = etree.QName(root)
         reason = _not_urdf(name.localname)
         if name.localname == "robot":
             reason = f"<robot> lies in the namespace '{name.namespace}', and URDF in none: remove xmlns=…"
         raise UrdfError(path, reason, "not-urdf", line_of(root))
-    parts = [part for part in root.iterchildren(etree.Element) if part.tag not in LEFT_ALONE]
+    parts = [part for part in root.iterchildren(etree.Element) if part.tag not in EXTENSIONS]
     for element in [root, *(element for part in parts for element in part.iter(etree.Element))]:
         if element is not root and element.tag == "robot":
             raise UrdfError(path, "a <robot> stands inside <robot>: keep one", "second-robot", line_of(element))
@@ -228,10 +243,16 @@ def check_format(path: Path, root: etree._Element) -> None:
 
 
 def _not_urdf(root: str) -> str:
-    return f"the root element is <{root}>, not <robot>: this is {_FORMATS.get(root.lower(), 'no URDF')}"
+    return f"the root element is <{root}>, not <robot>: this is {_FORMATS.get(root.lower(), 'not a URDF')}"
 
 
 def line_of(element: etree._Element) -> int | None:
-    """Line of the file in which the element starts; None beyond what libxml2 counts."""
+    """Return the line of the file in which the element starts.
+
+    Returns
+    -------
+    int or None
+        None beyond what libxml2 counts.
+    """
     line = element.sourceline
     return line if line is not None and line < _LAST_LINE else None

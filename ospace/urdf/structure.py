@@ -24,7 +24,13 @@ _WORLD = "world"
 
 
 def check_size(path: Path, root: etree._Element, limits: Limits) -> None:
-    """Raise `UrdfError` where there are no links, or more than the limit, before anything is made of them."""
+    """Count links and joints, before anything is made of them.
+
+    Raises
+    ------
+    UrdfError
+        There are no links, or more links or joints than `limits.links`.
+    """
     links = 0
     for links, link in enumerate(root.iterfind("link"), 1):
         if links > limits.links:
@@ -38,13 +44,18 @@ def check_size(path: Path, root: etree._Element, limits: Limits) -> None:
             raise UrdfError(path, reason, "too-many-links", line_of(joint))
 
 
-def ordered(path: Path, description: Description, limits: Limits) -> Description:
-    """Return the description with its joints from the base outward.
+def order_joints(path: Path, description: Description, limits: Limits) -> Description:
+    """Order the joints from the base outward.
+
+    Returns
+    -------
+    Description
+        The same links, and each joint behind those between it and the base.
 
     Raises
     ------
     UrdfError
-        Links and joints are no tree, or it is too large.
+        Links and joints do not form a tree, or its chains are too long.
     """
     _check_names(path, "link", description.links)
     _check_names(path, "joint", description.joints)
@@ -66,12 +77,18 @@ def ordered(path: Path, description: Description, limits: Limits) -> Description
             reason = f"has a chain of more than {LONGEST_CHAIN} joints: merge links that are fixed to each other"
             raise UrdfError(path, reason, "too-many-links", joint.line)
         joints.append(joint)
-        waiting += [(one, depth + 1) for one in reversed(below[joint.child])]
+        waiting += [(next_joint, depth + 1) for next_joint in reversed(below[joint.child])]
     return replace(description, joints=tuple(joints))
 
 
 def check_dof(path: Path, description: Description, limits: Limits) -> None:
-    """Raise `UrdfError` where Pinocchio's working memory would be too large."""
+    """Check that Pinocchio's working memory for the robot, 64 nv³ bytes, is there.
+
+    Raises
+    ------
+    UrdfError
+        The degrees of freedom exceed `limits.dof`, or what the memory of the machine holds.
+    """
     nv = _BASE_DOF + sum(DOF.get(joint.kind, 0) for joint in description.joints)
     if nv > limits.dof:
         reason = (
@@ -89,6 +106,11 @@ def with_floating_base(description: Description) -> tuple[Description, list[Find
 
     The file's own floating joint is then the base's, and what stands before it is left out. A root link called
     'world' to which the robot is fixed stays; that the base floats all the same is a finding.
+
+    Returns
+    -------
+    Description
+    list of Finding
     """
     root = description.link[description.root]
     ground, leaving = {root.name}, []

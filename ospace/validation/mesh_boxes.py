@@ -48,7 +48,7 @@ def of_meshes(robot: SpaceRobot) -> Iterator[Finding]:
     if not changed:
         return
     told = {(finding.code, finding.subject) for finding in robot.findings}
-    for finding in plausibility.of_links(replace(description, links=tuple(links))):
+    for finding in plausibility.check_links(replace(description, links=tuple(links))):
         if finding.subject in changed and (finding.code, finding.subject) not in told:
             yield finding
 

@@ -14,7 +14,7 @@ from ospace.dynamics.joint_space import joint_space_dynamics
 from ospace.exceptions import OspaceError, SingularInertiaError
 from ospace.model.points import OperationalPoint, points_of
 from ospace.model.robot import SpaceRobot
-from ospace.urdf.lint.findings import Finding, gravest_first, make_finding
+from ospace.urdf.lint.findings import Finding, by_severity, make_finding
 from ospace.validation.agreement import Agreement, AgreementTable, summary
 from ospace.validation.extremes import Extremes
 from ospace.validation.mesh_boxes import of_meshes
@@ -169,7 +169,7 @@ def check(
     except (OspaceError, np.linalg.LinAlgError) as error:
         findings.append(make_finding("not-computable", f"robot '{robot.name}'", str(error)))
     findings += extremes.findings(robot.name)
-    return Report(model_facts(robot, points), gravest_first(findings), rows, done, seed)
+    return Report(model_facts(robot, points), by_severity(findings), rows, done, seed)
 
 
 def _second_reader(robot: SpaceRobot, findings: list[Finding]) -> IndependentReader | None:

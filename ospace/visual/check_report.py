@@ -17,7 +17,7 @@ from ospace.files import replacing
 from ospace.urdf.bodies import Body, bodies_of, tensor_of
 from ospace.urdf.description import Colour, Description
 from ospace.urdf.lint import explain
-from ospace.urdf.lint.findings import Finding, gravest_first
+from ospace.urdf.lint.findings import Finding, by_severity
 from ospace.urdf.lint.rules import RULES
 from ospace.validation import words
 from ospace.validation.report import Report
@@ -231,7 +231,7 @@ def _nothing(why: str) -> Picture:
 def _marks(findings: Sequence[Finding], places: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
     """Return the severity that each link is marked for, the gravest first."""
     marks: dict[str, str] = {}
-    for finding in gravest_first(findings):
+    for finding in by_severity(findings):
         if finding.severity in COLOURS:
             for link in places.get(finding.subject, ()):
                 marks.setdefault(link, finding.severity)

@@ -13,7 +13,7 @@ from ospace.cli.main import main
 from ospace.urdf.lint.rules import RULES
 
 SECONDS = 3.0
-SAMPLED = {"smallest-inertia", "base-condition", "point-rank", "dynamic-singularity"}  # told of every robot
+SAMPLED = {"smallest-inertia", "base-condition", "point-rank", "dynamic-singularity"}  # reported of every robot
 
 
 @pytest.fixture(scope="module", autouse=True)

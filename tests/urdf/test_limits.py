@@ -26,7 +26,7 @@ def test_an_effort_of_zero_is_zero_and_only_a_missing_one_is_unlimited(tmp_path,
 
 
 @pytest.mark.parametrize(("kind", "size"), [("revolute", "0.0698 rad (4 deg)"), ("prismatic", "0.0698 m")])
-def test_zero_outside_limits_is_told_in_the_unit_of_the_joint(tmp_path, kind, size):
+def test_zero_outside_limits_is_reported_in_the_unit_of_the_joint(tmp_path, kind, size):
     limit = '<limit lower="-3" upper="-0.0698131700797732" effort="1" velocity="1"/>'
     (tmp_path / "robot.urdf").write_text(robot(link("base"), link("arm"), joint(kind=kind, more=AXIS + limit)))
     made = ospace.SpaceRobot.from_urdf(tmp_path / "robot.urdf")

@@ -1,4 +1,4 @@
-"""What is no number is told as what it is."""
+"""The reason why a text is not a number."""
 
 import pytest
 
@@ -16,7 +16,7 @@ from ospace.urdf.numbers import NumberError, number, numbers
         ("0x10", "is hexadecimal"),
         ("1,5", "has a decimal comma"),
         ("12 kg", "has 'kg' behind the number"),
-        ("kg", "is no number"),
+        ("kg", "is not a number"),
         ("1\u00a0", "has the character U+00A0"),
     ],
 )

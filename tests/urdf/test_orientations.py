@@ -29,7 +29,7 @@ TURNS = [
 def test_roll_pitch_and_yaw_of_a_quaternion_are_its_turn(quaternion):
     """Where the pitch is 90 deg, roll and yaw have one axis, and must still add up."""
     matrix = pin.Quaternion(np.array(quaternion) / np.linalg.norm(quaternion)).matrix()
-    ours, _ = bodies.placement(Pose(rpy=bodies.rpy_of(quaternion)))
+    ours, _ = bodies.placement(Pose(rpy=bodies.quaternion_to_rpy(quaternion)))
     np.testing.assert_allclose(ours, matrix, rtol=0.0, atol=1e-15)
 
 
@@ -39,7 +39,7 @@ def test_random_quaternions_and_all_next_to_a_pitch_of_90_deg():
         turn = rng.normal(size=3) * 10.0 ** -rng.uniform(0, 16)
         matrix = pin.rpy.rpyToMatrix(rng.uniform(-3, 3), (-1) ** k * np.pi / 2, rng.uniform(-3, 3)) @ pin.exp3(turn)
         quaternion = pin.Quaternion(matrix).normalized()
-        ours, _ = bodies.placement(Pose(rpy=bodies.rpy_of(tuple(quaternion.coeffs()))))
+        ours, _ = bodies.placement(Pose(rpy=bodies.quaternion_to_rpy(tuple(quaternion.coeffs()))))
         np.testing.assert_allclose(ours, quaternion.matrix(), rtol=0.0, atol=2e-15)
 
 

@@ -34,13 +34,13 @@ SIX = robot(
 def read(content):
     path = Path("made.urdf")
     root = source.parse(path, content.encode(), LIMITS)
-    description = structure.ordered(path, parse.parse(root, path.stem)[0], LIMITS)
+    description = structure.order_joints(path, parse.parse(root, path.stem)[0], LIMITS)
     return description, bodies.bodies_of(description), build.build(path, description)[0]
 
 
 def test_what_agrees_is_let_through():
     _, merged, model = read(SIX)
-    parity.prove(Path("made.urdf"), merged, model)
+    parity.check_built(Path("made.urdf"), merged, model)
     assert [body.link.name for body in merged] == ["base", "slide", "arm", "hand"]
     assert merged[0].mass == 9.0
     assert model.inertias[1].mass == 9.0
@@ -95,7 +95,7 @@ def test_what_differs_is_found(name):
     _, merged, model = read(SIX)
     mistake(model)
     with pytest.raises(ospace.UrdfError, match=word) as caught:
-        parity.prove(Path("made.urdf"), merged, model)
+        parity.check_built(Path("made.urdf"), merged, model)
     assert caught.value.code == "parity"
 
 
@@ -212,7 +212,7 @@ def test_a_quaternion_that_is_lost_is_found_in_the_original(monkeypatch, tmp_pat
     file = tmp_path / "robot.urdf"
     file.write_text(quaternion_for(SIX))
     assert reader.read(file).model is not None
-    monkeypatch.setattr(parse, "rpy_of", lambda quaternion: (0.0, 0.0, 0.0))
+    monkeypatch.setattr(parse, "quaternion_to_rpy", lambda quaternion: (0.0, 0.0, 0.0))
     assert "original-differs" in {one.code for one in reader.read(file).findings}
 
 

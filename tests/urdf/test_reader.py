@@ -1,4 +1,4 @@
-"""Files that are no URDF, and URDFs that are no robot: each is refused by name and reason, silently and soon."""
+"""Files that are not URDFs, and URDFs that are not robots: each is refused by name and reason, silently and soon."""
 
 from __future__ import annotations
 
@@ -181,13 +181,13 @@ def test_a_large_file_that_is_not_too_large(file):
 )
 def test_what_is_no_xml(file, capfd, content):
     file.write_bytes(content)
-    refuse(file, capfd, "no well-formed XML")
+    refuse(file, capfd, "not well-formed XML")
 
 
 @pytest.mark.parametrize(
     ("content", "reason"),
     [
-        (np.random.default_rng(0).bytes(4096), "NUL|no UTF-8"),
+        (np.random.default_rng(0).bytes(4096), "NUL|not UTF-8"),
         (b"\0" * 64, "NUL"),
         (b"\x7fELF\x02\x01\x01" + b"\0" * 57, "NUL"),
         (ONE_ARM.replace("base", "ba\0se").encode(), "line 1: has a NUL byte"),
@@ -195,7 +195,7 @@ def test_what_is_no_xml(file, capfd, content):
         (gzip.compress(ONE_ARM.encode(), mtime=0), "gzip"),
         (bz2.compress(ONE_ARM.encode()), "bzip2"),
         (lzma.compress(ONE_ARM.encode()), "xz"),
-        (robot(link("base"), name="caf\xe9").encode("latin-1"), "line 1: .*0xe9.*no UTF-8"),
+        (robot(link("base"), name="caf\xe9").encode("latin-1"), "line 1: .*0xe9.*not UTF-8"),
         (b"\xff\xfe" + ONE_ARM.encode(), "UTF-16"),
         (ONE_ARM.encode("utf-16"), "UTF-16"),
         (ONE_ARM.encode("utf-16-le"), "UTF-16"),
@@ -237,7 +237,7 @@ def test_a_document_type_in_a_comment_is_a_comment(file):
     assert ospace.SpaceRobot.from_urdf(file).n_joints == 1
 
 
-# -- no URDF -----------------------------------------------------------------------------------------------------
+# -- not a URDF----------------------------------------------------------------------------------------------------
 
 XACRO = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="made">{}</robot>'
 

@@ -85,7 +85,7 @@ def test_what_is_repaired_is_clean_and_keeps_its_meaning(tmp_path, variant):
         block.size for block in difflib.SequenceMatcher(None, before, after, autojunk=False).get_matching_blocks()
     )
     assert kept >= len(before) - 10
-    assert repair.repaired(tmp_path / ("out.urdf" if changes else "in.urdf"))[1] == []
+    assert repair.repair_content(tmp_path / ("out.urdf" if changes else "in.urdf"))[1] == []
 
 
 @pytest.mark.parametrize("number", ["", "x", "1,5", "nan", " "])
@@ -192,7 +192,7 @@ def test_the_command_lists_each_change(run, tmp_path):
     assert run(out, "--samples", 1)[0] == 0
 
 
-def test_errors_that_are_left_are_told(run, tmp_path):
+def test_errors_that_are_left_are_reported(run, tmp_path):
     file, out = tmp_path / "in.urdf", tmp_path / "out.urdf"
     file.write_text(ARM.replace("0 1 0", "0 2 0").replace('value="2"', 'value="-2"', 1))
     status, text, _ = run(file, "--fix", out)
@@ -243,7 +243,7 @@ def test_quaternions_stay_what_they_are(tmp_path):
         link("arm", inertial().replace('0.05"', '0.05" quat_xyzw=" 0 0.6 0 0.8 "')),
         joint(more='<axis xyz="0 0 2"/>').replace('"0.3 0 0"', '"0.3 0 0" quat_xyzw="1 0 0 1"'),
     ).replace("<robot", "<robot version='1.2'")
-    before = reader.of_content(tmp_path / "in.urdf", content.encode())
+    before = reader.read_content(tmp_path / "in.urdf", content.encode())
     text, changes, after = fixed(tmp_path, content)
     assert {change.code for change in changes} == {
         "number-spaces", "quaternion-not-unit", "axis-not-unit", "limits-missing"}  # fmt: skip

@@ -1,4 +1,4 @@
-"""What there is to know of a code: for ``ospace check --explain`` and for docs/findings.md, which is `page()`."""
+"""Explain the rules: for ``ospace check --explain`` and for docs/findings.md, which is `page()`."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ is written from `ospace/urdf/lint/rules/`; `ospace check --explain CODE` prints 
 
 - **error**: the model has no sound dynamics. `SpaceRobot.from_urdf` raises `UnsoundModelError` with all findings, the
   command ends with status 1.
-- **refused**: the file is no URDF, or its links are no tree. `SpaceRobot.from_urdf` raises `UrdfError`, which has the
-  code, and the command ends with status 2.
+- **refused**: the file is not a URDF, or its links do not form a tree. `SpaceRobot.from_urdf` raises `UrdfError`, which
+  has the code, and the command ends with status 2.
 - **warning**: the model can be computed with, and is hardly what was meant.
 - **info**: worth knowing.
 
@@ -23,12 +23,16 @@ Codes marked "repaired by `--fix`" are those for which there is one right repair
 
 
 def text(name: str) -> str:
-    """Return all that is known of a code, to be read in a terminal.
+    """Write all that is known of a rule, to be read in a terminal.
+
+    Returns
+    -------
+    str
 
     Raises
     ------
     OspaceError
-        There is no such code.
+        There is no rule of that name.
     """
     if name not in RULES:
         raise OspaceError(f"there is no code '{name}'{closest(name, RULES)}")
@@ -40,7 +44,12 @@ def text(name: str) -> str:
 
 
 def page() -> str:
-    """Return docs/findings.md."""
+    """Write docs/findings.md.
+
+    Returns
+    -------
+    str
+    """
     parts = [_INTRODUCTION]
     for title, codes in GROUPS.items():
         parts.append(f"\n## {title}\n")
@@ -53,7 +62,12 @@ def page() -> str:
 
 
 def level(code: Rule) -> str:
-    """Return the severity of a code, and whether it can be repaired."""
+    """Return the severity of a rule, and whether --fix repairs it.
+
+    Returns
+    -------
+    str
+    """
     gravity = "refused" if code.unreadable else code.severity
     return f"{gravity}, repaired by --fix" if code.fixable else gravity
 

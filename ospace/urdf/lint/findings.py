@@ -9,7 +9,7 @@ from typing import Any
 from ospace.exceptions import printable
 from ospace.urdf.lint.rules import RULES, Severity
 
-_GRAVITY = ("error", "warning", "info")
+_SEVERITIES = ("error", "warning", "info")
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Finding:
 
     @property
     def place(self) -> str:
-        """The subject, and its line where that is known."""
+        """Return the subject, and its line where that is known."""
         return self.subject if self.line is None else f"{self.subject}, line {self.line}"
 
     def as_dict(self) -> dict[str, Any]:
@@ -65,17 +65,33 @@ def make_finding(
     line: int | None = None,
     value: str | None = None,
 ) -> Finding:
-    """Make a finding; severity and remedy are those of its code unless given."""
+    """Make a finding; severity and remedy are those of its rule unless given.
+
+    Returns
+    -------
+    Finding
+        Its texts printable in a terminal.
+    """
     known = RULES[code]
     subject, message, remedy = map(printable, (subject, message, remedy or known.remedy))
     return Finding(code, severity or known.severity, subject, message, remedy, line, value)
 
 
-def gravest_first(findings: Iterable[Finding]) -> tuple[Finding, ...]:
-    """Return errors before warnings before infos, each in the order given."""
-    return tuple(sorted(findings, key=lambda finding: _GRAVITY.index(finding.severity)))
+def by_severity(findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """Sort errors before warnings before infos, each in the order given.
+
+    Returns
+    -------
+    tuple of Finding
+    """
+    return tuple(sorted(findings, key=lambda finding: _SEVERITIES.index(finding.severity)))
 
 
 def any_error(findings: Iterable[Finding]) -> bool:
-    """Whether one of them is an error."""
+    """Return whether a finding is an error.
+
+    Returns
+    -------
+    bool
+    """
     return any(finding.severity == "error" for finding in findings)

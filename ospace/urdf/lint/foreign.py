@@ -32,14 +32,19 @@ _OF_CONTACTS = {"inertia"}  # stiffness and damping of <contact> are those of it
 _MOST = 5
 
 
-def dynamics_in(element: etree._Element, *, of_robot: bool) -> str:
-    """Name what of dynamics an element that ospace does not read has in it; empty where it has nothing.
+def describe_dynamics(element: etree._Element, *, of_robot: bool) -> str:
+    """Name the dynamics that an element which ospace does not read describes.
 
     Parameters
     ----------
     element : etree._Element
     of_robot : bool
         Whether it describes the robot, rather than set up another program: then a loop or constraint counts as well.
+
+    Returns
+    -------
+    str
+        Elements and attributes with their values; empty where there is none.
     """
     tag = _local(element)
     if tag == "sensor":
@@ -49,8 +54,13 @@ def dynamics_in(element: etree._Element, *, of_robot: bool) -> str:
     return ", ".join(named[:_MOST]) + (f" and {len(named) - _MOST} more" if len(named) > _MOST else "")
 
 
-def speaks_of_dynamics(name: str) -> bool:
-    """Whether the name of an attribute or element is one of dynamics."""
+def is_dynamics_name(name: str) -> bool:
+    """Return whether the name of an attribute or element is one of dynamics.
+
+    Returns
+    -------
+    bool
+    """
     return bool(_words(name) & (_DYNAMICS | _COUPLINGS))
 
 
@@ -72,7 +82,7 @@ def _named(element: etree._Element, words: set[str]) -> Iterator[str]:
 
 
 def _joint(element: etree._Element) -> str | None:
-    """Name a joint between two links that is none of the tree: it would close a loop."""
+    """Name a joint between two links that is not in the tree: it would close a loop."""
     if _local(element) != "joint":
         return None
     ends = {_local(child): child for child in element.iterchildren(etree.Element)}

@@ -22,7 +22,7 @@ _GROSS = 1.0 - 1e-6  # of the largest moment: the digits of the other two are lo
 
 
 @dataclass(frozen=True)
-class Moving:
+class MovingBody:
     """A body of any model, as far as findings are concerned; the base is the first and has parent −1."""
 
     subject: str
@@ -34,16 +34,24 @@ class Moving:
     tensor: Floats
     line: int | None = None
     known: bool = False
-    """Whether its one link was looked at already."""
+    """Whether its one link was checked already."""
 
 
-def of_description(bodies: Sequence[Body]) -> list[Finding]:
-    """Look at each link, and at each body that fixed joints make of several."""
+def check_bodies(bodies: Sequence[Body]) -> list[Finding]:
+    """Check each link, and each body that fixed joints make of several.
+
+    Returns
+    -------
+    list of Finding
+    """
     findings = [
-        finding for body in bodies for link in body.weighed for finding in _of_link(link, merged=len(body.weighed) > 1)
+        finding
+        for body in bodies
+        for link in body.weighed
+        for finding in _check_link(link, merged=len(body.weighed) > 1)
     ]
     moving = [
-        Moving(
+        MovingBody(
             body.subject,
             body.link.name,
             "" if body.joint is None else body.joint.name,
@@ -56,31 +64,38 @@ def of_description(bodies: Sequence[Body]) -> list[Finding]:
         )
         for body in bodies
     ]
-    return findings + _of_bodies(moving, any_error(findings))
+    return findings + _check_bodies(moving, any_error(findings))
 
 
-def of_model(model: pin.Model) -> list[Finding]:
-    """Look at the bodies of a Pinocchio model with a free-flyer."""
+def check_model(model: pin.Model) -> list[Finding]:
+    """Check the bodies of a Pinocchio model with a free-flyer.
+
+    Returns
+    -------
+    list of Finding
+    """
     moving = []
     for j in range(1, model.njoints):
-        inertia, link = model.inertias[j], _link_of(model, j)
+        inertia, link = model.inertias[j], _link_name(model, j)
         parent = model.parents[j] - 1
         subject = f"link '{link}'"
-        moving.append(Moving(subject, link, str(model.names[j]), parent, inertia.mass, inertia.lever, inertia.inertia))
-    return _of_bodies(moving)
+        moving.append(
+            MovingBody(subject, link, str(model.names[j]), parent, inertia.mass, inertia.lever, inertia.inertia)
+        )
+    return _check_bodies(moving)
 
 
-def _of_bodies(bodies: Sequence[Moving], unsound: bool = False) -> list[Finding]:
+def _check_bodies(bodies: Sequence[MovingBody], unsound: bool = False) -> list[Finding]:
     findings: list[Finding] = []
-    beyond = np.array([body.mass for body in bodies])
+    subtree_mass = np.array([body.mass for body in bodies])
     for k in range(len(bodies) - 1, 0, -1):
-        beyond[bodies[k].parent] += beyond[k]
+        subtree_mass[bodies[k].parent] += subtree_mass[k]
     for k, body in enumerate(bodies):
         if not body.known:
-            findings += _of_tensor(body.subject, body.mass, body.centre, body.tensor, body.line)
+            findings += _check_tensor(body.subject, body.mass, body.centre, body.tensor, body.line)
         if k == 0:
-            findings += _of_base(body, alone=len(bodies) == 1 and not unsound and not any_error(findings))
-        elif beyond[k] == 0.0:
+            findings += _check_base(body, alone=len(bodies) == 1 and not unsound and not any_error(findings))
+        elif subtree_mass[k] == 0.0:
             message = "the joint moves links without any mass, so the joint-space inertia is singular"
             remedy = f"Give link '{body.link}' an <inertial>, or make the joint fixed."
             findings.append(
@@ -92,7 +107,7 @@ def _of_bodies(bodies: Sequence[Moving], unsound: bool = False) -> list[Finding]
     return findings
 
 
-def _of_base(base: Moving, *, alone: bool) -> Iterator[Finding]:
+def _check_base(base: MovingBody, *, alone: bool) -> Iterator[Finding]:
     subject = f"link '{base.link}'"
     if base.mass == 0.0:
         message = "the base, with all that is fixed to it, has no mass, so it could not float freely"
@@ -106,12 +121,12 @@ def _of_base(base: Moving, *, alone: bool) -> Iterator[Finding]:
             yield make_finding("massless-base", subject, message, remedy=remedy, line=base.line)
 
 
-def _of_link(link: Link, *, merged: bool) -> Iterator[Finding]:
+def _check_link(link: Link, *, merged: bool) -> Iterator[Finding]:
     inertial = link.inertial
     if inertial is None:
         return
     tensor, line, subject = tensor_of(inertial), inertial.line, link.subject
-    yield from _of_tensor(subject, inertial.mass, np.array(inertial.pose.xyz), tensor, line, merged=merged)
+    yield from _check_tensor(subject, inertial.mass, np.array(inertial.pose.xyz), tensor, line, merged=merged)
     if inertial.mass == 0.0 and tensor.any():
         yield make_finding("inertia-without-mass", subject, "has rotational inertia and no mass", line=line)
     if inertial.mass > 0.0 and not tensor.any():
@@ -126,17 +141,17 @@ def _of_link(link: Link, *, merged: bool) -> Iterator[Finding]:
         yield make_finding("inertia-about-origin", subject, message, line=line)
 
 
-def _of_tensor(
+def _check_tensor(
     subject: str, mass: float, centre: Floats, tensor: Floats, line: int | None, *, merged: bool = False
 ) -> list[Finding]:
-    """Look at one mass and tensor about its centre; a link that is `merged` may lean on its neighbours."""
+    """Check one mass and tensor about its centre; a link that is `merged` may lean on its neighbours."""
     if not np.isfinite(np.r_[mass, centre, tensor.ravel()]).all():
         message = "mass, centre of mass or inertia is not finite"
         return [make_finding("inertia-not-finite", subject, message, line=line)]
     if mass < 0.0:
         message = f"mass {mass:.6g} kg is negative"
         return [make_finding("negative-mass", subject, message, line=line, value=repr(mass))]
-    code, share = judge(mass, tensor)
+    code, share = classify_tensor(mass, tensor)
     if not code:
         return []
     moments = np.linalg.eigvalsh(tensor)
@@ -144,20 +159,34 @@ def _of_tensor(
         message = f"its tensor about the centre of mass has the negative principal moment {moments[0]:.6g} kg m²"
         severity: Severity = "warning" if merged else "error"
         return [make_finding(code, subject, message, severity=severity, line=line, value=f"{moments[0]:.6g}")]
-    named = ", ".join(f"{moment:.6g}" for moment in moments)
+    listed = ", ".join(f"{moment:.6g}" for moment in moments)
     message = (
-        f"principal moments {named} kg m² violate the triangle inequality by {share:.2g} of the largest: "
+        f"principal moments {listed} kg m² violate the triangle inequality by {share:.2g} of the largest: "
         f"no distribution of mass has them"
     )
     severity = "error" if share > _GROSS and not merged else "warning"
     return [make_finding(code, subject, message, severity=severity, line=line, value=f"{moments[2]:.6g}")]
 
 
-def judge(mass: float, tensor: Floats) -> tuple[str, float]:
-    """Return the code of what is wrong with a tensor, "" for nothing, and by what share of its largest moment.
+def classify_tensor(mass: float, tensor: Floats) -> tuple[str, float]:
+    """Compare the principal moments of a tensor with those that a body can have.
 
     Two of the moments of a body sum up to the third at least. So rounding is measured by the middle one: beside a
-    largest moment that dwarfs the others, a negative one may still be no rounding.
+    largest moment that dwarfs the others, a negative one may still be more than rounding.
+
+    Parameters
+    ----------
+    mass : float
+        kg.
+    tensor : (3, 3)
+        About the centre of mass, in any axes. kg m².
+
+    Returns
+    -------
+    str
+        Name of the rule that is violated, "" for none.
+    float
+        The violation as a share of the largest moment.
     """
     smallest, middle, largest = np.linalg.eigvalsh(tensor)
     excess = largest - smallest - middle
@@ -170,7 +199,7 @@ def judge(mass: float, tensor: Floats) -> tuple[str, float]:
 
 
 def _about_origin(mass: float, centre: Floats, tensor: Floats) -> bool:
-    """Whether nearly all of the tensor is what the distance of the centre from the origin adds about the origin."""
+    """Return whether most of the tensor is what the distance of the centre from the origin adds about the origin."""
     added = mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))
     total, apart = np.linalg.norm(tensor), np.linalg.norm(added)
     if mass <= 0.0 or total == 0.0 or apart == 0.0:
@@ -180,8 +209,8 @@ def _about_origin(mass: float, centre: Floats, tensor: Floats) -> bool:
     return bool(sound and np.sum(tensor * added) > 0.99 * total * apart and np.trace(tensor - added) < 0.25 * total)
 
 
-def _link_of(model: pin.Model, j: int) -> str:
-    """Name of the link that joint `j` carries."""
+def _link_name(model: pin.Model, j: int) -> str:
+    """Return the name of the link that joint `j` carries."""
     for frame in model.frames:
         if frame.type == pin.FrameType.BODY and frame.parentJoint == j and frame.placement.isIdentity(1e-12):
             return str(frame.name)

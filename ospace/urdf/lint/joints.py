@@ -16,23 +16,28 @@ _ROUNDING = 1e-9
 _UNLIMITED = 1e6  # limits from here on mean "none": degrees are smaller
 
 
-def of_joints(description: Description, *, free_mimic: bool) -> Iterator[Finding]:
-    """Look at every joint."""
+def check_joints(description: Description, *, free_mimic: bool) -> Iterator[Finding]:
+    """Check limits, damping, friction and mimicry of every joint, and the axis of planar ones.
+
+    Returns
+    -------
+    iterator of Finding
+    """
     for joint in description.joints:
         if joint.kind == "planar" and math.dist(joint.axis, (0.0, 0.0, 1.0)) > _ROUNDING:
             axis = " ".join(f"{x:g}" for x in joint.axis)
             message = f"its axis is {axis}, and Pinocchio's planar joint knows 0 0 1 only"
             yield make_finding("planar-axis", joint.subject, message, line=joint.line)
         if joint.mimic is not None and joint.kind != "fixed":
-            yield _mimic(description, joint, joint.mimic, free_mimic=free_mimic)
+            yield _check_mimic(description, joint, joint.mimic, free_mimic=free_mimic)
         for name, value in (("damping", joint.damping), ("friction", joint.friction)):
             if value < 0.0:
                 message = f"{name} {value:g} is negative"
                 yield make_finding(f"{name}-negative", joint.subject, message, line=joint.line, value=repr(value))
-        yield from _limits(joint)
+        yield from _check_limits(joint)
 
 
-def _limits(joint: Joint) -> Iterator[Finding]:
+def _check_limits(joint: Joint) -> Iterator[Finding]:
     limit = joint.limit
     if limit is None:
         if joint.kind in _LIMITED:
@@ -48,7 +53,7 @@ def _limits(joint: Joint) -> Iterator[Finding]:
     elif limit.lower == limit.upper:
         message = f"limits {text} leave no room to move"
         yield make_finding("limits-zero", joint.subject, message, line=limit.line, value=text)
-    yield from _zero(joint, limit)
+    yield from _check_zero(joint, limit)
     if joint.kind == "revolute" and any(_TWO_TURNS < abs(x) < _UNLIMITED for x in (limit.lower, limit.upper)):
         message = f"limits {text} rad are more than two turns from zero: are they in degrees?"
         yield make_finding("units-angle", joint.subject, message, line=limit.line, value=text)
@@ -65,7 +70,7 @@ def _limits(joint: Joint) -> Iterator[Finding]:
             yield make_finding(code, joint.subject, f"limit of {' and '.join(named)} {what}{drive}", line=limit.line)
 
 
-def _zero(joint: Joint, limit: Limit) -> Iterator[Finding]:
+def _check_zero(joint: Joint, limit: Limit) -> Iterator[Finding]:
     excess = max(limit.lower, -limit.upper)
     if limit.lower <= limit.upper and excess > _ROUNDING:
         size = f"{excess:.3g} m" if joint.kind == "prismatic" else f"{excess:.3g} rad ({math.degrees(excess):.3g} deg)"
@@ -73,16 +78,16 @@ def _zero(joint: Joint, limit: Limit) -> Iterator[Finding]:
         yield make_finding("zero-outside-limits", joint.subject, message, line=limit.line, value=f"{excess:.6g}")
 
 
-def _mimic(description: Description, joint: Joint, mimic: Mimic, *, free_mimic: bool) -> Finding:
+def _check_mimic(description: Description, joint: Joint, mimic: Mimic, *, free_mimic: bool) -> Finding:
     of = mimic.joint
     if free_mimic:
         message = f"mimics '{of}' in the file and is an independent joint here: the coupling is not enforced"
         remedy = f"Keep to positions in which it follows '{of}', or make the joint fixed."
         return make_finding("mimic-freed", joint.subject, message, remedy=remedy, line=mimic.line, value=of)
     if of not in description.joint or of == joint.name:
-        movable = (one.name for one in description.joints if one.kind != "fixed")
+        movable = (other.name for other in description.joints if other.kind != "fixed")
         near = "" if of == joint.name else closest(of, movable)
-        message = f"mimics '{of}', which is no other joint of the file{near}"
+        message = f"mimics '{of}', which is not another joint of the file{near}"
         return make_finding("mimic-unknown", joint.subject, message, line=mimic.line, value=of)
     return make_finding(
         "mimic", joint.subject, f"mimics '{of}': the coupling cannot be kept", line=mimic.line, value=of

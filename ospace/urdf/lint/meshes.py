@@ -26,10 +26,14 @@ class MeshError(OspaceError):
 def locate(filename: str, urdf: Path, package_dirs: Sequence[Path]) -> Path:
     """Return the file that a <mesh> names, within the folder of the URDF and the folders given.
 
+    Returns
+    -------
+    Path
+
     Raises
     ------
     MeshError
-        It is missing, elsewhere, or no whole file.
+        The file is missing, elsewhere, or not whole.
     """
     scheme, _, rest = filename.partition("://") if "://" in filename else ("", "", filename)
     if not rest:
@@ -60,22 +64,27 @@ def locate(filename: str, urdf: Path, package_dirs: Sequence[Path]) -> Path:
     return there[0]
 
 
-def of_shapes(description: Description, urdf: Path, package_dirs: Sequence[Path]) -> Iterator[Finding]:
-    """Look for the meshes of all links."""
+def check_meshes(description: Description, urdf: Path, package_dirs: Sequence[Path]) -> Iterator[Finding]:
+    """Look for the meshes of all links, and check their scales.
+
+    Returns
+    -------
+    iterator of Finding
+    """
     not_looked_up: dict[str, Shape] = {}
     looked_for: set[str] = set()
     for link in description.links:
-        told: set[str] = set()
+        reported: set[str] = set()
         scaled: set[tuple[str, tuple[float, ...]]] = set()
         for shape in link.shapes:
             if shape.kind != "mesh":
                 continue
             if (shape.filename, shape.size) not in scaled:
                 scaled.add((shape.filename, shape.size))
-                yield from _scale(link, shape)
-            if shape.filename in told:
+                yield from _check_scale(link, shape)
+            if shape.filename in reported:
                 continue
-            told.add(shape.filename)
+            reported.add(shape.filename)
             looked_for.add(shape.filename)
             try:
                 if len(looked_for) > MOST:
@@ -92,7 +101,7 @@ def of_shapes(description: Description, urdf: Path, package_dirs: Sequence[Path]
         yield make_finding("mesh-not-looked-up", "file", message, line=not_looked_up[first].line, value=first)
 
 
-def _scale(link: Link, shape: Shape) -> Iterator[Finding]:
+def _check_scale(link: Link, shape: Shape) -> Iterator[Finding]:
     if min(shape.size) <= 0.0:
         scale = " ".join(f"{factor:g}" for factor in shape.size)
         message = f"'{shape.filename}' has the scale {scale}"
@@ -105,7 +114,7 @@ def _check_whole(path: Path, filename: str) -> None:
         with open(descriptor, "rb") as file:
             status = os.fstat(descriptor)
             if not stat.S_ISREG(status.st_mode):
-                raise MeshError("mesh-unreadable", f"'{filename}' is no regular file")
+                raise MeshError("mesh-unreadable", f"'{filename}' is not a regular file")
             start = file.read(_STL_HEADER)
     except OSError as error:
         raise MeshError("mesh-unreadable", f"'{filename}' cannot be read: {error.strerror}") from None

@@ -21,43 +21,53 @@ _LIGHTEST = 1e-5  # of the robot's mass: lighter links are there to please simul
 _HEAVIEST_ARM, _LIGHTEST_ARM = 100.0, 1e-6  # of the base's mass
 
 
-def of_links(description: Description) -> Iterator[Finding]:
-    """Look at the inertial of each link, at its shape, and at the lengths of joints."""
+def check_links(description: Description) -> Iterator[Finding]:
+    """Check the inertial of each link, its shape, and the lengths of joints.
+
+    Returns
+    -------
+    iterator of Finding
+    """
     total = sum(link.inertial.mass for link in description.links if link.inertial is not None)
     for link in description.links:
         shapes = _solid(link.shapes)
         inertial = link.inertial
         if inertial is not None:
-            yield from _turn(link.subject, inertial.pose, inertial.line)
+            yield from _check_rpy(link.subject, inertial.pose, inertial.line)
         if inertial is not None and inertial.mass > max(0.0, _LIGHTEST * total):
-            yield from _units(link, inertial)
+            yield from _check_units(link, inertial)
             if shapes:
-                yield from _against_shape(link, inertial, shapes)
+                yield from _compare_with_shape(link, inertial, shapes)
         if shapes and (size := float(np.ptp(_box(shapes), axis=0).max())) > _FAR:
             yield make_finding("units-length", link.subject, f"its shape is {size:g} m large", line=shapes[0].line)
     for joint in description.joints:
-        yield from _turn(joint.subject, joint.pose, joint.line)
+        yield from _check_rpy(joint.subject, joint.pose, joint.line)
         if (length := math.hypot(*joint.pose.xyz)) > _FAR:
             message = f"lies {length:g} m from the origin of link '{joint.parent}'"
             yield make_finding("units-length", joint.subject, message, line=joint.line, value=f"{length:g}")
 
 
-def of_bodies(bodies: Sequence[Body]) -> Iterator[Finding]:
-    """Compare the mass of the base with that of what hangs from it."""
+def check_mass_ratio(bodies: Sequence[Body]) -> Iterator[Finding]:
+    """Compare the mass of the base with that of the other bodies.
+
+    Returns
+    -------
+    iterator of Finding
+    """
     base, rest = bodies[0].mass, sum(body.mass for body in bodies[1:])
     if base > 0.0 and rest > 0.0 and not _LIGHTEST_ARM <= rest / base <= _HEAVIEST_ARM:
         message = f"the base has {base:g} kg, and all that hangs from it {rest:g} kg"
         yield make_finding("mass-ratio", f"link '{bodies[0].link.name}'", message, value=f"{rest / base:g}")
 
 
-def _turn(subject: str, pose: Pose, line: int | None) -> Iterator[Finding]:
+def _check_rpy(subject: str, pose: Pose, line: int | None) -> Iterator[Finding]:
     if max(map(abs, pose.rpy)) > _ONE_TURN:
         angles = " ".join(f"{angle:g}" for angle in pose.rpy)
         message = f"rpy '{angles}' of its <origin> is more than a turn: is it in degrees?"
         yield make_finding("units-angle", subject, message, line=line, value=angles)
 
 
-def _units(link: Link, inertial: Inertial) -> Iterator[Finding]:
+def _check_units(link: Link, inertial: Inertial) -> Iterator[Finding]:
     away = math.hypot(*inertial.pose.xyz)
     if away > _FAR:
         message = f"its centre of mass is {away:g} m from its origin"
@@ -68,7 +78,7 @@ def _units(link: Link, inertial: Inertial) -> Iterator[Finding]:
         yield make_finding("units-inertia", link.subject, message, line=inertial.line, value=f"{gyration:g}")
 
 
-def _against_shape(link: Link, inertial: Inertial, shapes: Sequence[Shape]) -> Iterator[Finding]:
+def _compare_with_shape(link: Link, inertial: Inertial, shapes: Sequence[Shape]) -> Iterator[Finding]:
     line, centre, box = inertial.line, np.array(inertial.pose.xyz), _box(shapes)
     diagonal = float(np.linalg.norm(box[1] - box[0]))
     if diagonal < _MARKER:

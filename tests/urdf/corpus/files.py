@@ -1,4 +1,4 @@
-"""Files that are no text, no XML or no URDF."""
+"""Files that are not text, XML or URDF."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Links and joints that are no tree, or one with odd names."""
+"""Links and joints that do not form a tree, or one with odd names."""
 
 from __future__ import annotations
 

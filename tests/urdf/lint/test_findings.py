@@ -179,7 +179,7 @@ def test_mimicry_is_freed_on_demand_alone(found):
     assert "independent" in finding.message
 
 
-def test_all_errors_are_told_at_once(found):
+def test_all_errors_are_reported_at_once(found):
     parts = [bare("base"), link("arm", -1.0), bare("hand"), joint("hinge", "arm"), joint("wrist", "hand", "arm")]
     assert {one.code for one in found(*parts)} == {"massless-base", "negative-mass", "massless-subtree"}
 
@@ -213,7 +213,7 @@ def test_mass_that_is_not_finite():
     inertia = pin.Inertia.Random()
     inertia.lever = np.array([0.0, np.nan, 0.0])
     model.inertias[1] = inertia
-    (finding,) = inertias.of_model(model)
+    (finding,) = inertias.check_model(model)
     assert (finding.code, finding.severity) == ("inertia-not-finite", "error")
 
 

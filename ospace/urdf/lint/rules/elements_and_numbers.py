@@ -53,7 +53,7 @@ ELEMENTS_AND_NUMBERS = (
         name="quaternion-ignored",
         severity="warning",
         summary="An <origin> has quat_xyzw in a file of URDF 1.0, which knows none. It is not used.",
-        reason="Pinocchio's parser passes over it too, and nothing is turned.",
+        reason="Pinocchio's parser ignores it too, and nothing is turned.",
         remedy='Declare the version, <robot version="1.1">, or write the orientation as rpy.',
         example='<robot name="r"> and <origin quat_xyzw="0 0 0.6 0.8"/>',
     ),
@@ -79,8 +79,8 @@ ELEMENTS_AND_NUMBERS = (
         summary="An element of the robot has in it one that URDF does not know there; an info in a robot, link or "
         "joint where its name is far from any that URDF has, an error where it is or holds a link, joint or inertial, "
         "or includes another file.",
-        reason="Readers pass over it: a misspelt <inertail> leaves a link without mass, a <Link>, or one in a "
-        "<group>, is no part of the robot.",
+        reason="Readers ignore it: a misspelt <inertail> leaves a link without mass, a <Link>, or one in a "
+        "<group>, is not part of the robot.",
         remedy="Correct its name or its place. <gazebo>, <sensor>, <contact>, <transmission>, <ros2_control> and "
         "elements of a namespace of their own are left alone, but for what they say of dynamics (dynamics-not-used).",
         example="<inertail>…</inertail>",
@@ -91,7 +91,7 @@ ELEMENTS_AND_NUMBERS = (
         summary="An element has an attribute that URDF does not know there. An info where its name is far from any "
         "that URDF has and the element places, weighs, moves and limits nothing, and of iyx, izx, izy that equal "
         "ixy, ixz, iyz.",
-        reason="Readers pass over it and take the default: a misspelt xyz leaves a link at its parent's origin.",
+        reason="Readers ignore it and take the default: a misspelt xyz leaves a link at its parent's origin.",
         remedy="Correct its name or its place.",
         example='<origin xzy="0 0 1"/>',
     ),
@@ -101,7 +101,7 @@ ELEMENTS_AND_NUMBERS = (
         summary="An element that URDF leaves to other programs speaks of dynamics: rotor inertia or gear in a "
         "<transmission>, a <loop_joint>, a <constraint>, a joint or damping in <gazebo>, a spring.",
         reason="The robot is the tree of links without it, and moves otherwise than the file says. A ratio of 1 and "
-        "other values of 0 change nothing, and are passed over.",
+        "other values of 0 change nothing, and are ignored.",
         remedy="Nothing, if it is meant so: loops stay open, rotors add no inertia, springs do not pull. A rotor's "
         "inertia times the square of its gear is model.armature of a model given to SpaceRobot.from_model.",
         example="<transmission>…<rotor_inertia value='1e-4'/>",
@@ -110,7 +110,7 @@ ELEMENTS_AND_NUMBERS = (
         name="stray-text",
         severity="warning",
         summary="Text stands in an element; URDF has all that it says in attributes.",
-        reason="Readers pass over it and take the default: <origin>0 0 1</origin> moves nothing.",
+        reason="Readers ignore it and take the default: <origin>0 0 1</origin> moves nothing.",
         remedy="Write it as an attribute, as in <origin xyz='0 0 1'/>, or as a comment.",
         example="<origin>0 0 1</origin>",
     ),

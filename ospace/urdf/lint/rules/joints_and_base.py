@@ -76,7 +76,7 @@ JOINTS_AND_BASE = (
         name="effort-zero",
         severity="info",
         summary="The limit of a joint's effort or velocity is zero.",
-        reason="It is taken at its word: a joint of zero effort has no drive and its torque is zero, one of zero "
+        reason="It is taken literally: a joint of zero effort has no drive and its torque is zero, one of zero "
         "velocity is held still. Exporters also write zero for unknown.",
         remedy="Give the limit of the actuator, if there is one.",
         example='<limit lower="-1" upper="1" effort="0" velocity="0"/>',
@@ -92,7 +92,7 @@ JOINTS_AND_BASE = (
     Rule(
         name="zero-outside-limits",
         severity="warning",
-        summary="Position zero lies outside the limits of a joint, by the angle or length told.",
+        summary="Position zero lies outside the limits of a joint, by the angle or length that the message gives.",
         reason="A configuration with all joints at zero, with which many programs start, is one that the robot cannot "
         "take. `robot.configuration()` has it at zero, `robot.neutral()` inside its limits.",
         remedy="Start from robot.neutral(), or give the joint a position.",
@@ -137,7 +137,7 @@ JOINTS_AND_BASE = (
     Rule(
         name="mimic-freed",
         severity="warning",
-        summary="A joint mimics another, known or not, and was made independent as asked for.",
+        summary="A joint mimics another, known or not, and was made independent on request.",
         reason="The coupling is not enforced: inertias are those of joints that move each for itself.",
         remedy="Keep to positions in which it follows the other, or make the joint fixed.",
         example='<mimic joint="left_finger" multiplier="-1"/> with --free-mimic',

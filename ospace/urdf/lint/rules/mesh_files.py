@@ -14,7 +14,7 @@ MESH_FILES = (
     Rule(
         name="mesh-unreadable",
         severity="warning",
-        summary="The file of a mesh is no regular file, is empty or cut off, or may not be read.",
+        summary="The file of a mesh is not a regular file, is empty or cut off, or may not be read.",
         reason="Its shape cannot be drawn; dynamics do not need it.",
         remedy="Write the file again.",
         example="an STL of 40 bytes",

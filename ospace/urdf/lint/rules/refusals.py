@@ -1,4 +1,4 @@
-"""Reasons to refuse a file as a whole: it is no URDF, or its links are no tree."""
+"""Reasons to refuse a file as a whole: it is not a URDF, or its links do not form a tree."""
 
 from functools import partial
 
@@ -37,7 +37,7 @@ FILES = (
     ),
     _refused(
         name="not-text",
-        summary="The file is no UTF-8 text: compressed, binary, UTF-16, another encoding, or with a NUL byte.",
+        summary="The file is not UTF-8 text: compressed, binary, UTF-16, another encoding, or with a NUL byte.",
         reason="A letter read as another gives a link another name, and a byte that is skipped may be a digit.",
         remedy="Decompress it, or convert it: iconv -f UTF-16 -t UTF-8 in.urdf > out.urdf. A byte order mark may stay.",
         example="robot.urdf.gz",
@@ -45,13 +45,13 @@ FILES = (
     _refused(
         name="doctype",
         summary="The file has a document type declaration.",
-        reason="URDF has none; its entities can expand one kilobyte into gigabytes, or draw other files in.",
+        reason="URDF has none; its entities can expand one kilobyte into gigabytes, or include other files.",
         remedy="Remove the <!DOCTYPE …> declaration.",
         example="<!DOCTYPE robot [<!ENTITY mass '2'>]>",
     ),
     _refused(
         name="not-xml",
-        summary="The file is no well-formed XML.",
+        summary="The file is not well-formed XML.",
         reason="What a reader makes of it depends on the reader.",
         remedy="Correct it at the line named; a file that ends too early was not written to its end.",
         example='<robot name="r"><link name="base">',
@@ -67,21 +67,21 @@ FILES = (
         name="too-many-attributes",
         summary="An element has more than 64 attributes.",
         reason="The richest element of URDF has six.",
-        remedy="Remove what is no URDF, or raise the limit: --max-attributes N, Limits(attributes=N).",
+        remedy="Remove what is not URDF, or raise the limit: --max-attributes N, Limits(attributes=N).",
         example='<link name="base" a0="" a1="" a2="" …/>',
     ),
     _refused(
         name="too-long-attribute",
         summary="An attribute has more than 10,000 characters.",
         reason="No name or number is that long.",
-        remedy="Remove what is no URDF, or raise the limit: --max-text N, Limits(text=N).",
+        remedy="Remove what is not URDF, or raise the limit: --max-text N, Limits(text=N).",
         example='<link name="aaaaaaaa…"/>',
     ),
     _refused(
         name="too-many-nodes",
         summary="The file has more than 200,000 elements, attributes and comments.",
         reason="Each costs some hundred bytes of memory, whatever it holds.",
-        remedy="Remove what is no URDF, or raise the limit: --max-nodes N, Limits(nodes=N).",
+        remedy="Remove what is not URDF, or raise the limit: --max-nodes N, Limits(nodes=N).",
         example="<a/><a/><a/>…",
     ),
     _refused(
@@ -101,7 +101,7 @@ FILES = (
     _refused(
         name="second-robot",
         summary="A <robot> stands inside <robot>.",
-        reason="Which of the two is meant cannot be told; readers pass over the inner one.",
+        reason="Which of the two is meant is ambiguous; readers ignore the inner one.",
         remedy="Keep one robot a file.",
         example='<robot name="a"><robot name="b"/></robot>',
     ),
@@ -141,7 +141,7 @@ STRUCTURE = (
     _refused(
         name="duplicate-name",
         summary="Two links, or two joints, have the same name.",
-        reason="Which one a joint means cannot be told.",
+        reason="Which one a joint means is ambiguous.",
         remedy="Rename one of them.",
         example='<link name="arm"/><link name="arm"/>',
     ),

@@ -1,4 +1,4 @@
-"""What is known of one kind of finding, whatever the file it is found in."""
+"""A rule: one kind of finding, with its reason and remedy, whatever the file."""
 
 from __future__ import annotations
 

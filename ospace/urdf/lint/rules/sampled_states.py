@@ -25,7 +25,7 @@ SAMPLED_STATES = (
         severity="warning",
         summary="yourdfpy, the second reader of the file, rejects it.",
         reason="Placements were then not compared.",
-        remedy="Compare the file with the URDF specification: another reader may stumble where yourdfpy does.",
+        remedy="Compare the file with the URDF specification: another reader may fail where yourdfpy does.",
         example="an element that yourdfpy cannot parse",
     ),
     Rule(
@@ -49,7 +49,7 @@ SAMPLED_STATES = (
         name="point-rank",
         severity="info",
         summary="The generalized Jacobian of an operational point has fewer independent rows than the point takes.",
-        reason="With a free-floating base, the joints alone cannot move the point in all the directions asked for.",
+        reason="With a free-floating base, the joints alone cannot move the point in all the directions requested.",
         remedy="Take fewer rows of the point, or actuate the base too.",
         example="six rows of a hand on an arm of two joints",
     ),
