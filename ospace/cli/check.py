@@ -140,6 +140,7 @@ def _check(given: argparse.Namespace) -> tuple[int, str]:
 def _report(given: argparse.Namespace, file: Path, folders: Sequence[Path]) -> tuple[Report, Description]:
     """Check; return the report and what the file says, which no robot is made of where it is unsound."""
     from ospace.cli import progress
+    from ospace.dynamics.workspace import compile_kernels
     from ospace.model.robot import SpaceRobot
     from ospace.urdf import reader
     from ospace.validation import report
@@ -151,6 +152,7 @@ def _report(given: argparse.Namespace, file: Path, folders: Sequence[Path]) -> t
     robot = SpaceRobot(reading.model, findings, source=file, description=description, package_dirs=folders)
     points = [robot.point(name) for name in given.point or robot.leaf_links[:_MOST_POINTS]]
     with progress.bar(given, "comparing states", given.samples) as advance:
+        compile_kernels()
         result = report.check(robot, points, samples=given.samples, seed=given.seed, progress=advance)
     return result, description
 

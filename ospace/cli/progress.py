@@ -27,10 +27,11 @@ def bar(given: argparse.Namespace, what: str, total: int) -> Iterator[Callable[[
         task = shown.add_task(what, total=total)
         said = False
 
-        def compiling(begins: bool) -> None:
+        def compiling(number: int, of: int) -> None:
             nonlocal said
-            shown.update(task, description=_COMPILING if begins else what)
-            if begins and not said and not console.is_terminal:
+            which = f"compiling {number} of {of} kernels, once for this machine" if of > 1 else _COMPILING
+            shown.update(task, description=which if of else what)
+            if of and not said and not console.is_terminal:
                 print(f"ospace: {_COMPILING}", file=sys.stderr)
                 said = True
 
@@ -38,8 +39,8 @@ def bar(given: argparse.Namespace, what: str, total: int) -> Iterator[Callable[[
             given.refuse_if_interrupted()
             shown.update(task, completed=done)
 
-        cache.told.append(compiling)
+        cache.listeners.append(compiling)
         try:
             yield advance
         finally:
-            cache.told.remove(compiling)
+            cache.listeners.remove(compiling)

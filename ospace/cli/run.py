@@ -51,7 +51,9 @@ def _log(text: str) -> Path:
 
 def run(given: argparse.Namespace) -> tuple[int, str]:
     """Run; return the exit status and the text to print."""
+    from ospace.cli import progress
     from ospace.cli.main import EXIT_FINDINGS, EXIT_INTERRUPTED, EXIT_USAGE, find
+    from ospace.dynamics.workspace import compile_kernels
     from ospace.extras import require, require_scene
     from ospace.scenario import load
 
@@ -61,7 +63,9 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
         require("matplotlib", "a report")
     file = find(given.scenario, scenario=True)
     output.distinct([file], [given.log, given.csv, given.html])
-    scenario = load(file)
+    with nullcontext() if given.headless else progress.bar(given, "reading the scenario", 1):
+        compile_kernels()
+        scenario = load(file)
     if given.check:
         return 0, _valid(scenario, given.scenario)
     output.writable(given.log, given.html)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import time as clock
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from math import isfinite
 from numbers import Real
 from typing import Any, NamedTuple
@@ -27,6 +29,8 @@ from ospace.control.wheels import Wheels
 from ospace.dynamics.evaluator import OperationalSpaceEvaluator
 from ospace.dynamics.joint_friction import JointFriction
 from ospace.exceptions import OspaceError, closest
+from ospace.kernels.evaluation import compose
+from ospace.kernels.jit.together import compile_together
 from ospace.kernels.qp import tables as kernel
 from ospace.kernels.qp.program import assemble, recover_solution
 from ospace.kernels.tasks.tables import REFERENCE
@@ -168,6 +172,26 @@ class Controller:
                 self._set_reference(t, task.reference)
         self._completion = CompletionWatch(self.tasks, first, self._tasks.rows)
 
+    def warm_up(self) -> None:
+        """Load all that the first `update` would load: compiled kernels, or compile them, and the solver.
+
+        After it the first cycle takes no longer than others. A copy of the controller runs the cycle, at zero joint
+        positions and without references, so that nothing of this one changes, before its first cycle or later.
+        """
+        compile_together(
+            [
+                (assemble, self._assembly(0.0)),
+                (recover_solution, self._recovery(self._program.f, self._program)),
+                (compose, (self._run.memory,)),
+            ]
+        )
+        shared = {id(one): one for one in (self.robot, self.tasks)}
+        unset = {id(self._references): [None] * len(self.tasks), id(self._moving): []}
+        twin = copy.deepcopy(self, {**shared, **unset})
+        twin._begun = False
+        with suppress(OspaceError):  # what is singular there need not be elsewhere
+            twin.update(0.0, self.robot.configuration(), np.zeros(self.robot.nv))
+
     # -- one cycle -------------------------------------------------------------------------------------------
 
     def update(self, time: float, q: npt.ArrayLike, v: npt.ArrayLike) -> Command:
@@ -182,7 +206,7 @@ class Controller:
         start = clock.perf_counter()
         if type(time) is not float or not isfinite(time):
             time = checked_number(time, "time")
-        run = self._run.update(q, v)
+        self._run.update(q, v)
         if not self._begun:
             self._begin()
         self._time = time
@@ -191,18 +215,7 @@ class Controller:
             reference.write(self._tasks.reference[t], time)
         if self._wheels.any:
             self._wheels.limit(self._rotation().T @ self.wheel_momentum, self.period, self._limits.wrench)
-        farthest = assemble(
-            time,
-            run.memory,
-            self._base,
-            self._tasks,
-            self._limits,
-            self._resistance,
-            self._weights,
-            self._rows,
-            self._program,
-            self._beyond,
-        )
+        farthest = assemble(*self._assembly(time))
         assembled = clock.perf_counter()
         outcome = self._solution()
         solved = clock.perf_counter()
@@ -288,8 +301,16 @@ class Controller:
 
     def _finish(self, z: Floats, program: kernel.Program) -> float:
         """Compute what comes of `z`; return by how much it passes the bounds of `program`, relative to them."""
-        own = self._run.memory, self._base, self.period, self._resistance, self._rows
-        return float(recover_solution(z, *own, program, self._answer))
+        return float(recover_solution(*self._recovery(z, program)))
+
+    def _assembly(self, time: float) -> tuple[Any, ...]:
+        """Return what `assemble` takes."""
+        own = self._base, self._tasks, self._limits, self._resistance, self._weights, self._rows, self._program
+        return time, self._run.memory, *own, self._beyond
+
+    def _recovery(self, z: Floats, program: kernel.Program) -> tuple[Any, ...]:
+        """Return what `recover_solution` takes."""
+        return z, self._run.memory, self._base, self.period, self._resistance, self._rows, program, self._answer
 
     def _excess(self, z: Floats) -> dict[str, float]:
         """By how much joint accelerations pass the bounds of their motion limits."""

@@ -13,7 +13,7 @@ from ospace.checks import checked_names, checked_vector, not_finite
 from ospace.dynamics.workspace import Workspace
 from ospace.exceptions import OspaceError
 from ospace.kernels import evaluation
-from ospace.kernels.jit.compile import take_read_only
+from ospace.kernels.jit.compile import refuse_other_types
 from ospace.kernels.tree import Floats
 from ospace.kernels.workspace import Robot
 from ospace.model.points import OperationalPoint, points_of
@@ -132,7 +132,7 @@ class OperationalSpaceEvaluator:
         self._place: Callable[..., int] = evaluation.place_state if points_alone else evaluation.evaluate
         if robot.own_kinematics:
             with _FIRST_USE:
-                take_read_only(self._place, (self._still, self._still, self._memory), (0, 1))
+                refuse_other_types(self._place, (self._still, self._still, self._memory))
         else:
             self._place = _by_pinocchio
 

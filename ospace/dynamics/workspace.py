@@ -18,6 +18,8 @@ from ospace.exceptions import DependentRowsError, SingularInertiaError
 from ospace.kernels import evaluation as kernel
 from ospace.kernels import workspace
 from ospace.kernels.articulated_body import NO_INERTIA
+from ospace.kernels.jit.together import compile_together
+from ospace.kernels.kinematics import place_from_pinocchio
 from ospace.kernels.tree import Floats, Ints
 from ospace.model.layout import Layout
 from ospace.model.points import OperationalPoint, points_of, rows_of
@@ -164,3 +166,19 @@ def of(state: State, points: OperationalPoint | Sequence[OperationalPoint] = _NO
             kept.popitem(last=False)
     run.load(state)
     return run
+
+
+def compile_kernels() -> None:
+    """Compile what every function of a state and the evaluator run, several kernels at once where there are cores."""
+    vector, table = np.zeros(1), np.zeros((1, 1))
+    compile_together(
+        [
+            (kernel.evaluate, (vector, vector, vector)),
+            (kernel.place_state, (vector, vector, vector)),
+            (kernel.compose, (vector,)),
+            (kernel.respond, (vector,)),
+            (kernel.normalize, (vector, vector, vector)),
+            (place_from_pinocchio, (table, table, table, vector)),
+            (kernel.inverse_dynamics, (vector, vector)),
+        ]
+    )

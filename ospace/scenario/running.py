@@ -89,6 +89,7 @@ class _Phase:
             period=start.period,
             solver=scenario.control.solver,
         )
+        self.controller.warm_up()
         self._awaited = [task.name for task in tasks if task.completion is not None]
         self._earliest = plan.earliest
         self.recording = Recording(self.controller)

@@ -14,6 +14,7 @@ import tempfile
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -57,22 +58,47 @@ def warn(error: Exception) -> None:
     warnings.warn(message + "set OSPACE_CACHE_DIR to one that can be written", RuntimeWarning, stacklevel=2)
 
 
-told: list[Callable[[bool], None]] = []
-"""Called with True when a kernel that is not kept begins to be compiled, and with False when it is done."""
+listeners: list[Callable[[int, int], None]] = []
+"""Called with k and n when the k-th of n kernels to compile begins, and with 0, 0 when all are done."""
+
+
+def report(number: int, of: int) -> None:
+    """Report that kernel `number` of so many begins to be compiled; 0 of 0 that all are done."""
+    for listener in list(listeners):
+        listener(number, of)
+
+
+def is_kept(entry: Any) -> bool:
+    """Return whether `entry` is on disk, for some types of arguments at least."""
+    index = getattr(getattr(entry._cache, "_cache_file", None), "_index_path", None)
+    return index is not None and Path(index).exists()
+
+
+_TOGETHER = ContextVar("ospace_compiles_together", default=False)
+
+
+@contextmanager
+def reported_together() -> Iterator[None]:
+    """Report nothing of single kernels: whoever compiles several at once reports them."""
+    before = _TOGETHER.set(True)
+    try:
+        yield
+    finally:
+        _TOGETHER.reset(before)
+        report(0, 0)
 
 
 @contextmanager
 def announced(entry: Any) -> Iterator[None]:
-    """Call what is in `told` around the compilation of `entry`, unless it is kept on disk already."""
-    kept = getattr(getattr(entry._cache, "_cache_file", None), "_index_path", None)
-    listeners = [] if kept and Path(kept).exists() else list(told)
-    for listener in listeners:
-        listener(True)
+    """Report the compilation of `entry`, unless it is kept on disk already or one of several that are reported."""
+    if is_kept(entry) or _TOGETHER.get():
+        yield
+        return
+    report(1, 1)
     try:
         yield
     finally:
-        for listener in listeners:
-            listener(False)
+        report(0, 0)
 
 
 @contextmanager

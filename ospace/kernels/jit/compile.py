@@ -15,11 +15,12 @@ Two decorators make every kernel of the package:
 from __future__ import annotations
 
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, TypeVar, cast
 
 import llvmlite.binding
 import numba
+from numba import types
 from numba.core.caching import NullCache
 from numba.core.compiler_lock import global_compiler_lock
 from numba.extending import overload
@@ -35,8 +36,15 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 _FASTMATH = {"contract", "reassoc", "nsz", "arcp"}
 _SOUND_LLVM = (20, 0, 0)
 _CACHE_ERRORS = (OSError, EOFError, ValueError, pickle.UnpicklingError)  # a full disk, a file cut short or garbled
-_OPTIONS: dict[str, Any] = {"fastmath": _FASTMATH, "error_model": "numpy"}
+# Kernels make no arrays, so none is counted: _nrt.
+_OPTIONS: dict[str, Any] = {"fastmath": _FASTMATH, "error_model": "numpy", "_nrt": False}
 INLINED = {**_OPTIONS, "forceinline": True, "no_cfunc_wrapper": True}
+try:
+    from ospace.kernels.jit.fragment import FragmentCompiler
+except (ImportError, AttributeError):  # another numba inside: kernels are the same, and take longer to compile
+    pass
+else:
+    INLINED |= {"no_cpython_wrapper": True, "pipeline_class": FragmentCompiler}
 
 
 def inlined(function: Function) -> Function:
@@ -59,50 +67,81 @@ def _compiled(function: Function, nogil: bool) -> Function:
     with cache.keyed_on_sources() as writable:
         compiled: Any = numba.njit(cache=writable, nogil=nogil, **_OPTIONS)(function)
     if hasattr(compiled, "compile"):  # not there where kernels run interpreted
-        compiled.compile = _compiling_as_we_like(compiled, compiled.compile)
+        compiled.compile = _Compilation(compiled)
     return cast(Function, compiled)
 
 
-_KEPT: list[Any] = []  # numba numbers a type anew when nothing refers to it any more
+def kinds_of(arguments: Iterable[Any]) -> tuple[Any, ...]:
+    """Return numba's types of arguments."""
+    return tuple(map(numba.typeof, arguments))
 
 
-def take_read_only(entry: Any, arguments: tuple[Any, ...], which: tuple[int, ...]) -> None:
-    """Compile `entry` for arrays such as `arguments`, of which those at `which` may be read-only, and for no others.
+def refuse_other_types(entry: Any, arguments: Iterable[Any]) -> None:
+    """Compile `entry` for arguments of the types of these, read-only or not; with any other a call is a TypeError.
 
-    A read-only array is another type to numba, and machine code that only reads is the same: it is registered for both.
-    Any other type is a TypeError from then on.
+    The caller converts what is of another type, which takes less time than to compile for it.
     """
-    if not hasattr(entry, "disable_compile") or not entry._can_compile:  # interpreted, or done
-        return
-    kinds = tuple(map(numba.typeof, arguments))
-    entry.compile(kinds)
-    code = entry.overloads[kinds]
-    for some in range(1, 2 ** len(which)):
-        frozen = {at for k, at in enumerate(which) if some >> k & 1}
-        seen = [kind.copy(readonly=True) if at in frozen else kind for at, kind in enumerate(kinds)]
-        entry._insert([kind._code for kind in seen], code.entry_point, False)
-        _KEPT.extend(seen)
-    entry.disable_compile()
+    if hasattr(entry, "compile"):
+        kinds = kinds_of(arguments)
+        entry.compile(kinds)
+        entry.compile.only = kinds
 
 
-def _compiling_as_we_like(entry: Any, compile_: Callable[..., Any]) -> Callable[..., Any]:
-    """Let LLVM gather scalar arithmetic into vectors, which makes one state a quarter faster; survive a broken cache.
+class _Compilation:
+    """What numba calls to compile an entry for arguments of other types than it has seen.
 
-    Numba has the former off because of LLVM 14's faults, so it stays off where LLVM is old.
+    A read-only array is another type to numba, but machine code that only reads it is the same: it is registered for
+    both. LLVM gathers scalar arithmetic into vectors, which makes one state a quarter faster; numba has that off
+    because of LLVM 14's faults, so it stays off where LLVM is old. A cache that cannot be read is begun anew.
     """
 
-    def compile_so(signature: Any) -> Any:
+    def __init__(self, entry: Any) -> None:
+        self.only: tuple[Any, ...] | None = None
+        """Types, all others of which are refused."""
+        self._entry, self._compile = entry, entry.compile
+        self._seen: list[Any] = []  # numba numbers a type anew when nothing refers to it any more
+
+    def __call__(self, signature: Any) -> Any:
+        if not isinstance(signature, tuple):
+            return self._compiled(signature)
+        writable = tuple(_writable(kind) for kind in signature)
+        if self.only not in (None, writable):
+            raise TypeError(f"{self._entry.__name__} takes {self.only}, not {signature}")
+        if writable == signature or not _SHARES_CODE:
+            return self._compiled(signature)
+        self._compiled(writable)
+        code = self._entry.overloads[writable].entry_point
+        self._entry._insert([kind._code for kind in signature], code, False)
+        self._seen.extend(signature)
+        return code
+
+    def _compiled(self, signature: Any) -> Any:
+        entry = self._entry
         with global_compiler_lock:  # numba's own, so that no other code is compiled so
             before = numba.config.SLP_VECTORIZE
             numba.config.SLP_VECTORIZE = int(llvmlite.binding.llvm_version_info >= _SOUND_LLVM)
             try:
-                with cache.announced(entry):
-                    return compile_(signature)
+                return self._kept(signature)
             except _CACHE_ERRORS as error:
                 cache.warn(error)
                 entry._cache = NullCache()
-                return compile_(signature)
+                return self._compile(signature)
             finally:
                 numba.config.SLP_VECTORIZE = before
 
-    return compile_so
+    def _kept(self, signature: Any) -> Any:
+        """Load what is kept, or compile and keep it."""
+        try:
+            with cache.announced(self._entry):
+                return self._compile(signature)
+        except _CACHE_ERRORS:
+            self._entry._cache.flush()
+        with cache.announced(self._entry):
+            return self._compile(signature)
+
+
+_SHARES_CODE = all(hasattr(numba.core.dispatcher.Dispatcher, name) for name in ("_insert", "add_overload"))
+
+
+def _writable(kind: Any) -> Any:
+    return kind.copy(readonly=False) if isinstance(kind, types.Array) and not kind.mutable else kind

@@ -18,6 +18,8 @@ from numba.core import cgutils, types
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, lower_cast, models, overload, register_model
 
+from ospace.kernels.jit.compile import INLINED
+
 _DOUBLE = ir.DoubleType()
 FLAGS = ("contract", "reassoc", "nsz", "arcp")
 
@@ -139,7 +141,7 @@ def fence(x: Any) -> Any:
     return x
 
 
-@overload(fence, strict=False)
+@overload(fence, strict=False, jit_options=INLINED)
 def _fenced(x: Any) -> Any:
     return lambda x: _fence(x)
 
@@ -169,17 +171,17 @@ def maximum(x: Any, y: Any) -> Any:
     return np.maximum(x, y)
 
 
-@overload(sqrt, strict=False)
+@overload(sqrt, strict=False, jit_options=INLINED)
 def _overload_sqrt(x: Any) -> Any:
     return lambda x: _sqrt(x)
 
 
-@overload(absolute, strict=False)
+@overload(absolute, strict=False, jit_options=INLINED)
 def _overload_absolute(x: Any) -> Any:
     return lambda x: _fabs(x)
 
 
-@overload(floor, strict=False)
+@overload(floor, strict=False, jit_options=INLINED)
 def _floor_(x: Any) -> Any:
     return lambda x: _floor(x)
 
@@ -189,12 +191,12 @@ def _maxnum(typing: Any, x: Any, y: Any) -> Any:
     return x(x, x), lambda context, builder, sig, args: _call("maxnum", builder, args)
 
 
-@overload(maximum, strict=False)
+@overload(maximum, strict=False, jit_options=INLINED)
 def _overload_maximum(x: Any, y: Any) -> Any:
     return lambda x, y: _maxnum(x, y)
 
 
-@overload(minimum, strict=False)
+@overload(minimum, strict=False, jit_options=INLINED)
 def _overload_minimum(x: Any, y: Any) -> Any:
     return lambda x, y: _minnum(x, y)
 
@@ -204,7 +206,7 @@ def full_like(value: float, number: Any) -> Any:
     return value
 
 
-@overload(full_like, strict=False)
+@overload(full_like, strict=False, jit_options=INLINED)
 def _overload_full_like(value: Any, number: Any) -> Any:
     if isinstance(number, Lanes):
         return lambda value, number: _repeat(value, number)
@@ -224,7 +226,7 @@ def zeros(width: int) -> Any:
     return 0.0 if width == 1 else np.zeros(width)
 
 
-@overload(zeros, strict=False, prefer_literal=True)
+@overload(zeros, strict=False, prefer_literal=True, jit_options=INLINED)
 def _zeros(width: Any) -> Any:
     return lambda width: _nothing(width)
 
