@@ -30,7 +30,7 @@ def bar(given: argparse.Namespace, what: str, total: int) -> Iterator[Callable[[
         def compiling(number: int, of: int) -> None:
             nonlocal said
             which = f"compiling {number} of {of} kernels, once for this machine" if of > 1 else _COMPILING
-            shown.update(task, description=which if of else what)
+            shown.update(task, description=which if of else what, refresh=True)
             if of and not said and not console.is_terminal:
                 print(f"ospace: {_COMPILING}", file=sys.stderr)
                 said = True
