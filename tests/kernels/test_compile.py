@@ -1,5 +1,7 @@
 """Entries take read-only arrays as they take others, outlive a broken cache, and are compiled several at once."""
 
+import os
+import subprocess
 import sys
 from importlib import import_module
 
@@ -119,6 +121,15 @@ def test_single_precision_is_converted(planar):
     rounded = [x.astype(np.float32).astype(float) for x in (q, v)]
     known = results(run.update(*rounded))
     assert all(map(np.array_equal, known, results(run.update(*(x.astype(np.float32) for x in (q, v))))))
+
+
+@needs_compiler
+def test_interpreted_kernels_take_the_same_arrays():
+    chosen = [sys.executable, "-m", "pytest", "-q", "-k", "straight_way or converted", __file__]
+    interpreted = os.environ | {"NUMBA_DISABLE_JIT": "1"}
+    done = subprocess.run(chosen, capture_output=True, text=True, env=interpreted, check=False)
+    assert done.returncode == 0, done.stdout
+    assert "skipped" not in done.stdout
 
 
 @needs_compiler
