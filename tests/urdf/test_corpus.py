@@ -35,7 +35,7 @@ def test_the_corpus_is_large():
 
 
 @pytest.mark.parametrize("variant", VARIANTS, ids=lambda variant: variant.name)
-def test_variant(file, capfd, variant):
+def test_a_variant_has_its_status_and_codes(file, capfd, variant):
     file.write_bytes(variant.content)
     before = time.process_time()
     status = main(["check", str(file), "--json", "--samples", "1", *variant.options])
@@ -60,6 +60,6 @@ MACHINE = {"no-file", "no-regular-file", "unreadable-file", "too-many-nodes"}  #
 NOT_KNOWN = {"rejected", "parity", "original-differs", "parser-error", "second-reader", "not-computable"}
 
 
-def test_every_code_has_a_variant():
+def test_every_rule_has_a_variant():
     told = {code for variant in VARIANTS for code in variant.codes | variant.infos}
     assert RULES.keys() - told - SAMPLED == BUILT_IN_CODE | MACHINE | NOT_KNOWN

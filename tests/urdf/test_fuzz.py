@@ -10,7 +10,7 @@ from ospace.urdf.lint import inertia
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_mutations(tmp_path, capfd, seed):
+def test_mutated_files_are_refused_or_sound(tmp_path, capfd, seed):
     counts = fuzz.run(500, seed, tmp_path)
     assert counts.keys() == {"refused", "unsound", "robot"}
     assert counts["robot"] > 50
@@ -24,7 +24,7 @@ def test_the_fuzzer_finds_a_reader_that_looks_away(tmp_path, monkeypatch):
         fuzz.run(2000, 0, tmp_path)
 
 
-def test_mutations_differ():
+def test_mutated_files_differ():
     rng = np.random.default_rng(0)
     seeds = [variant.content for variant in fuzz.VARIANTS[:3]]
     assert len({fuzz.mutated(rng, seeds) for _ in range(100)}) > 80

@@ -164,17 +164,17 @@ def finish(file, status, word):
 
 
 @pytest.mark.parametrize("device", ["/dev/zero", "/dev/null", "/proc/self/mem", "/dev/tty"])
-def test_devices(device):
+def test_a_device_is_answered_at_once(device):
     finish(Path(device), 2, "no-regular-file" if device != "/proc/self/mem" else "ospace: error")
 
 
-def test_a_fifo(tmp_path):
+def test_a_fifo_is_not_waited_for(tmp_path):
     file = tmp_path / "robot.urdf"
     os.mkfifo(file)
     finish(file, 2, "no-regular-file")
 
 
-def test_a_mesh_that_is_a_fifo(tmp_path):
+def test_a_mesh_that_is_a_fifo_is_not_waited_for(tmp_path):
     os.mkfifo(tmp_path / "arm.stl")
     file = tmp_path / "robot.urdf"
     file.write_text(ARM.replace("</link>", SHAPES.format("arm") + "</link>", 1))
@@ -223,7 +223,7 @@ def test_threads_leave_standard_error_where_it_was(tmp_path):
 
 
 @pytest.mark.parametrize(("redirection", "status"), [("2>&-", 0), (">&-", 2)])
-def test_streams_that_the_caller_has_closed(tmp_path, redirection, status):
+def test_streams_that_the_caller_has_closed_stay_closed(tmp_path, redirection, status):
     file = tmp_path / "robot.urdf"
     file.write_text(ARM)
     command = f"exec '{sys.executable}' -m ospace.cli check '{file}' --samples 1 {redirection}"

@@ -20,7 +20,7 @@ from ospace.urdf.numbers import NumberError, number, numbers
         ("1\u00a0", "has the character U+00A0"),
     ],
 )
-def test_a_number(text, reason):
+def test_a_number_is_read_or_refused_with_its_reason(text, reason):
     with pytest.raises(NumberError, match=reason.replace("+", r"\+")):
         number(text)
 
@@ -33,7 +33,7 @@ def test_a_number(text, reason):
         ("0 1", "has 2 numbers instead of 3"),
     ],
 )
-def test_numbers(text, reason):
+def test_a_list_of_numbers_is_read_or_refused_with_its_reason(text, reason):
     with pytest.raises(NumberError, match=reason):
         numbers(text, 3)
 

@@ -57,14 +57,14 @@ def test_all_repairs_at_once_and_not_a_byte_more(tmp_path):
     assert content == re.sub(tensor, moments, expected)
 
 
-def test_the_nearest_tensor(tmp_path):
+def test_a_tensor_becomes_the_nearest_of_a_body(tmp_path):
     _, _, reading = fixed(tmp_path, robot(link("base", inertial(moments=("0.02", "0.03", "0.0500004")))))
     moments = np.array(reading.description.links[0].inertial.tensor)[[0, 3, 5]]
     np.testing.assert_allclose(moments, [0.02 + 4e-7 / 3, 0.03 + 4e-7 / 3, 0.0500004 - 4e-7 / 3], atol=2e-7)
     assert moments[2] <= (moments[0] + moments[1]) * (1 + 1e-12)
 
 
-def test_a_slightly_negative_moment(tmp_path):
+def test_a_slightly_negative_moment_is_repaired(tmp_path):
     content = robot(link("base"), link("arm", inertial(moments=("-1e-7", "0.04", "0.04"))), joint())
     _, changes, reading = fixed(tmp_path, content)
     assert [change.code for change in changes] == ["inertia-indefinite"]
@@ -106,7 +106,7 @@ def test_limits_keep_one_coordinate(tmp_path):
     assert made.findings == ()
 
 
-def test_effort_and_velocity(tmp_path):
+def test_missing_effort_and_velocity_are_added(tmp_path):
     content = ARM.replace(' effort="10" velocity="1"/>', "  />")
     content, changes, _ = fixed(tmp_path, content)
     assert [change.code for change in changes] == ["effort-missing"]
@@ -199,7 +199,7 @@ def test_errors_that_are_left_are_reported(run, tmp_path):
     assert (status, text.splitlines()[-1]) == (1, f"wrote {out}: 1 change, 1 error left")
 
 
-def test_nothing_to_repair(run, tmp_path):
+def test_a_sound_file_is_not_written_again(run, tmp_path):
     file, out = tmp_path / "in.urdf", tmp_path / "out.urdf"
     file.write_text(ARM)
     assert run(file, "--fix", out) == (0, f"nothing to repair: {out} was not written\n", "")
@@ -230,7 +230,7 @@ def test_a_file_that_cannot_be_read_is_not_repaired(run, tmp_path):
 
 
 @pytest.mark.parametrize("arguments", [[], ["x", "--fix", "y", "--explain", "loop"], ["x", "--json", "--fix", "y"]])
-def test_wrong_usage(run, arguments):
+def test_wrong_usage_is_refused(run, arguments):
     status, text, err = run(*arguments)
     assert (status, text) == (2, "")
     assert err.startswith("usage: ")

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import site
-from pathlib import Path
-
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -231,6 +228,14 @@ def test_each_scale_of_a_mesh_is_looked_at(found):
     assert sorted(one.code for one in findings) == ["mesh-missing", "mesh-scale"]
 
 
+def test_a_robot_without_a_name_is_called_as_its_file(tmp_path):
+    file = tmp_path / "chaser.urdf"
+    file.write_text(f"<robot>{link('base')}</robot>")
+    robot = ospace.SpaceRobot.from_urdf(file)
+    assert robot.name == "chaser"
+    assert [(one.code, one.severity) for one in robot.findings] == [("no-robot-name", "warning")]
+
+
 # -- findings of the check itself --------------------------------------------------------------------------------
 
 
@@ -278,49 +283,3 @@ def test_a_file_that_the_second_reader_rejects(tmp_path, monkeypatch):
     assert (finding.code, finding.severity) == ("second-reader", "warning")
     assert "yourdfpy" in finding.message
     assert found.verdict == "sound"
-
-
-# -- robots that are known ---------------------------------------------------------------------------------------
-
-
-def robot_file(path):
-    robots = "cmeel.prefix/share/example-robot-data/robots"
-    return next(file for folder in site.getsitepackages() if (file := Path(folder) / robots / path).is_file())
-
-
-def refused(path):
-    with pytest.raises(ospace.UnsoundModelError) as caught:
-        ospace.SpaceRobot.from_urdf(robot_file(path), free_mimic=True)
-    return [finding for finding in caught.value.findings if finding.severity == "error"]
-
-
-def test_romeo_moves_links_without_mass():
-    errors = refused("romeo_description/urdf/romeo.urdf")
-    assert {finding.code for finding in errors} == {"massless-subtree"}
-    assert all(finding.subject.startswith("joint '") for finding in errors)
-    assert "joint 'LFinger12'" in {finding.subject for finding in errors}
-
-
-def test_romeo_laas_small_has_indefinite_inertias():
-    errors = refused("romeo_description/urdf/romeo_laas_small.urdf")
-    indefinite = [finding for finding in errors if finding.code == "inertia-indefinite"]
-    assert indefinite
-    assert all("negative principal moment -" in finding.message for finding in indefinite)
-
-
-def test_icub_reduced_is_sound():
-    findings = ospace.SpaceRobot.from_urdf(robot_file("icub_description/robots/icub_reduced.urdf")).findings
-    assert {finding.code for finding in findings if finding.severity != "info"} == {"zero-outside-limits"}
-
-
-def test_a_robot_without_a_name_is_called_as_its_file(tmp_path):
-    file = tmp_path / "chaser.urdf"
-    file.write_text(f"<robot>{link('base')}</robot>")
-    robot = ospace.SpaceRobot.from_urdf(file)
-    assert robot.name == "chaser"
-    assert [(one.code, one.severity) for one in robot.findings] == [("no-robot-name", "warning")]
-
-
-def test_ur3_is_an_empty_remnant():
-    with pytest.raises(ospace.UrdfError, match=r"ur3\.urdf.*has no <link>"):
-        ospace.SpaceRobot.from_urdf(robot_file("ur_description/urdf/ur3.urdf"))

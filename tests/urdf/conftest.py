@@ -1,0 +1,23 @@
+"""A guard against readers that wait for ever."""
+
+from __future__ import annotations
+
+import signal
+
+import pytest
+
+SECONDS = 20
+
+
+@pytest.fixture
+def no_hang():
+    """Fail a test that waits for a file, a network or an expansion for ever."""
+
+    def give_up(number, frame):
+        raise TimeoutError(f"no answer in {SECONDS} s")
+
+    before = signal.signal(signal.SIGALRM, give_up)
+    signal.alarm(SECONDS)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
