@@ -74,7 +74,7 @@ def add_to(verbs: Any) -> None:
         verb.add_argument(f"--max-{name}", metavar="N", type=_limit, help=f"{what} that are read at most")
     other = verb.add_mutually_exclusive_group()
     other.add_argument("--fix", metavar="OUT", help="write a repaired copy of URDF, and check nothing")
-    other.add_argument("--explain", metavar="CODE", help="tell what there is to know of a finding, and check nothing")
+    other.add_argument("--explain", metavar="CODE", help="explain the code of a finding, and check nothing")
     verb.set_defaults(run=run, refuse_usage=verb.error)
 
 
@@ -100,7 +100,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     """Check; return the exit status and the text to print."""
     for option in ("json", "html"):
         if getattr(given, option) and (given.fix is not None or given.explain is not None):
-            given.refuse_usage(f"--{option} tells of a check: give it without --fix and --explain")
+            given.refuse_usage(f"--{option} describes a check: use it without --fix and --explain")
     if given.explain is not None:
         from ospace.urdf.lint import explain
 

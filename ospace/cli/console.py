@@ -1,4 +1,4 @@
-"""What rich makes of a text for people, kept until it is printed."""
+"""Text for a terminal, formatted by rich and kept until it is printed."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 def buffered_console(width: int, *, fits_terminal: bool = False) -> Console:
     """Return a console that keeps what is printed on it, with the colours that standard output can show.
 
-    Names are of the file's making: ``:robot:`` in one is no picture.
+    Names are of the file's making: ``:robot:`` in one stays text.
     """
     from rich.console import Console
 

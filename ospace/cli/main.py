@@ -48,10 +48,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal that lacks a letter shows another
     try:
-        with _interrupts() as (refuse_if_interrupted, forgive), warnings.catch_warnings():
+        with _interrupts() as (refuse_if_interrupted, clear_interrupt), warnings.catch_warnings():
             warnings.showwarning = lambda message, *where, **more: print(f"ospace: {message}", file=sys.stderr)
             given = parser().parse_args(arguments)
-            given.refuse_if_interrupted, given.forgive_interrupt = refuse_if_interrupted, forgive
+            given.refuse_if_interrupted, given.clear_interrupt = refuse_if_interrupted, clear_interrupt
             status, text = given.run(given)
             refuse_if_interrupted()
         return int(status) if output.printed(text) else EXIT_USAGE
@@ -101,7 +101,7 @@ def _interrupts() -> Iterator[tuple[Callable[[], None], Callable[[], None]]]:
         if seen:
             raise KeyboardInterrupt
 
-    def tell(ignored: sys.UnraisableHookArgs) -> None:
+    def report(ignored: sys.UnraisableHookArgs) -> None:
         if not issubclass(ignored.exc_type, KeyboardInterrupt):
             sys.__unraisablehook__(ignored)
 
@@ -110,9 +110,9 @@ def _interrupts() -> Iterator[tuple[Callable[[], None], Callable[[], None]]]:
     except ValueError:  # not the main thread, which alone is interrupted
         yield refuse, seen.clear
         return
-    sys.unraisablehook, told = tell, sys.unraisablehook
+    sys.unraisablehook, previous = report, sys.unraisablehook
     try:
         yield refuse, seen.clear
     finally:
-        sys.unraisablehook = told
+        sys.unraisablehook = previous
         signal.signal(signal.SIGINT, before)

@@ -1,4 +1,4 @@
-"""What a verb prints and writes: nothing over what it reads, and the result before a report that may fail."""
+"""Output of a verb, printed and written: nothing over what it reads, and the result before a report that may fail."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def file(text: str) -> Path:
 
 
 def distinct(inputs: Iterable[Path], outputs: Iterable[Path | None]) -> None:
-    """Raise `OspaceError` where an output is an input, another output, or standard output; None is no output."""
+    """Raise `OspaceError` where an output is an input, another output, or standard output; None stands for no file."""
     from ospace.exceptions import OspaceError, printable
 
     inputs, before = tuple(inputs), list[Path]()
@@ -51,14 +51,14 @@ def distinct(inputs: Iterable[Path], outputs: Iterable[Path | None]) -> None:
 
 
 def _same(one: Path, other: Path) -> bool:
-    """Whether two paths lead to one file, which need not be there yet; a device may be both read and written."""
+    """Return whether two paths lead to one file, which need not be there yet; a device may be both read and written."""
     if one.exists() and other.exists():
         return one.is_file() and one.samefile(other)
     return os.path.realpath(one) == os.path.realpath(other)
 
 
 def _is_standard_output(path: Path) -> bool:
-    """Whether what is printed goes to the same file or pipe; a terminal or ``/dev/null`` can take both."""
+    """Return whether what is printed goes to the same file or pipe; a terminal or ``/dev/null`` can take both."""
     try:
         printed = os.fstat(_STANDARD_OUTPUT)
         return os.path.samestat(os.stat(path), printed) and not stat.S_ISCHR(printed.st_mode)
@@ -71,7 +71,7 @@ def writable(*paths: Path | None) -> None:
     for path in filter(None, paths):
         existed = path.exists()
         if existed and not (path.is_file() or path.is_dir()):
-            continue  # devices and pipes tell only what is written to them
+            continue  # opening a device or pipe has side effects
         path.open("ab").close()
         if not existed:
             os.unlink(os.path.realpath(path))  # a link that led nowhere stays, and leads nowhere
@@ -81,7 +81,7 @@ def writable(*paths: Path | None) -> None:
 
 
 def printed(text: str) -> bool:
-    """Print; tell on standard error where the text cannot be written, and return whether it was."""
+    """Print; report on standard error where the text cannot be written, and return whether it was."""
     if not text:
         return True
     if sys.stdout is None:  # closed by the caller: print would drop the text
@@ -90,7 +90,7 @@ def printed(text: str) -> bool:
     try:
         print(text, end="", flush=True)
     except OSError as error:
-        if not isinstance(error, BrokenPipeError):  # where the reader of a pipe has gone, there is no one to tell
+        if not isinstance(error, BrokenPipeError):  # where the reader of a pipe has gone, nobody is left to read it
             print(f"ospace: error: cannot write the result: {error.strerror}", file=sys.stderr)
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nothing may be written at exit either
         return False
@@ -98,7 +98,7 @@ def printed(text: str) -> bool:
 
 
 def written(path: Path, what: str, write: Callable[[], object]) -> bool:
-    """Write; tell on standard error why `path` has no such thing, so that the rest goes on, and return whether it has.
+    """Write; report on standard error why that failed, so that the rest goes on, and return whether it succeeded.
 
     Parameters
     ----------

@@ -33,7 +33,7 @@ def add_to(verbs: Any) -> None:
 
 
 class _Help(argparse.HelpFormatter):
-    """Looks up the names of quantities when they are asked for, since that takes as long as all of ospace."""
+    """Look up the names of quantities when help is printed, since that takes as long as all of ospace."""
 
     LATER = "what to draw, can be given again (default: all): {names}"
 

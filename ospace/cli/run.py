@@ -73,14 +73,18 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
         given.csv.mkdir(parents=True, exist_ok=True)
     with _live(given, scenario) if given.view else nullcontext() as live:
         result = _run(given, scenario, live.watch if live else None)
-        done = [*_kept(given, result), output.printed(_text(result, given.scenario)), _reported(given, result)]
+        done = [
+            *_write_outputs(given, result),
+            output.printed(_text(result, given.scenario)),
+            _write_report(given, result),
+        ]
         if result.interrupted:
             return EXIT_INTERRUPTED, ""
         if live:
             try:
                 live.replay(result)
             except KeyboardInterrupt:  # which is how a view ends well
-                given.forgive_interrupt()
+                given.clear_interrupt()
     if not all(done):
         return EXIT_USAGE, ""
     return 0 if result.passed else EXIT_FINDINGS, ""
@@ -91,14 +95,14 @@ def _run(given: argparse.Namespace, scenario: Scenario, watch: Any) -> Run:
     from ospace.scenario import run as run_scenario
 
     if given.headless:
-        return run_scenario(scenario, _seldom(lambda tenths: given.refuse_if_interrupted()), watch)
+        return run_scenario(scenario, _throttled(lambda tenths: given.refuse_if_interrupted()), watch)
     total = math.ceil(sum(phase.timeout for phase in scenario.phases) * 10.0)
     with progress.bar(given, "simulating, tenths of a second", total) as advance:
-        return run_scenario(scenario, _seldom(advance), watch)
+        return run_scenario(scenario, _throttled(advance), watch)
 
 
-def _kept(given: argparse.Namespace, result: Run) -> Iterator[bool]:
-    """Write what cannot be had again; yield of each file whether it was written."""
+def _write_outputs(given: argparse.Namespace, result: Run) -> Iterator[bool]:
+    """Write log and tables; yield for each file whether it was written."""
     from ospace.scenario import log
 
     if given.log:
@@ -107,8 +111,8 @@ def _kept(given: argparse.Namespace, result: Run) -> Iterator[bool]:
         yield output.written(given.csv, "tables", lambda: log.to_csv(result, given.csv))
 
 
-def _reported(given: argparse.Namespace, result: Run) -> bool:
-    """Draw the report, if one is asked for; return whether nothing failed."""
+def _write_report(given: argparse.Namespace, result: Run) -> bool:
+    """Draw the report, if --html is given; return whether nothing failed."""
     from ospace.cli import progress
 
     if not given.html:
@@ -134,7 +138,7 @@ def _live(given: argparse.Namespace, scenario: Scenario) -> Iterator[Live]:
         yield live
 
 
-def _seldom(advance: Any) -> Any:
+def _throttled(advance: Any) -> Any:
     """Return what moves the bar, and looks for an interrupt, every few milliseconds of simulated time."""
     due = 0.0
 

@@ -16,11 +16,11 @@ from meshcat.path import Path
 from ospace.kernels.tree import Floats, Ints
 
 ERROR = 4e-7
-"""How far a body may be from its motion between two keys: m, and half angles in rad."""
-_TURNED = 0.4
-"""How much of it half an angle may be off: what is a metre away from a body's origin moves by twice that."""
-_ROUGH = 1e3
-"""How much further a quantity may be, which has a scale: it is for the eye alone."""
+"""Largest deviation of a body from its motion between two keys: m, and half angles in rad."""
+_HALF_ANGLE_SHARE = 0.4
+"""Share of it for half angles: a point one metre away from a body's origin moves by twice that."""
+_SCALED_FACTOR = 1e3
+"""Factor of the deviation for quantities drawn to scale, which are for the eye alone."""
 _MOST_KEYS = 400_000  # some 15 MB
 
 
@@ -36,14 +36,16 @@ def animation(motions: Mapping[str, tuple[Floats, Floats]]) -> tuple[Animation, 
     Returns
     -------
     animation, error : Animation, float
-        How far a page is off at any time given, nodes with a scale apart: `ERROR` and the rounding of its numbers, or
+        Largest deviation of the page at the given times, scaled nodes apart: `ERROR` and the rounding of its numbers, or
         more where that many keys would be too many.
     """
     tracks = []
     for path, (time, pose) in motions.items():
-        rough = _ROUGH if pose.shape[1] > 7 else 1.0
+        rough = _SCALED_FACTOR if pose.shape[1] > 7 else 1.0
         tracks.append((path, "position", "vector3", time, pose[:, :3], _line, rough))
-        tracks.append((path, "quaternion", "quaternion", time, _continuous(pose[:, 3:7]), _arc, _TURNED * rough))
+        tracks.append(
+            (path, "quaternion", "quaternion", time, _continuous(pose[:, 3:7]), _arc, _HALF_ANGLE_SHARE * rough)
+        )
         if pose.shape[1] > 7:
             tracks.append((path, "scale", "vector3", time, pose[:, 7:], _line, rough))
     error = ERROR
@@ -56,10 +58,10 @@ def animation(motions: Mapping[str, tuple[Floats, Floats]]) -> tuple[Animation, 
     off = 0.0
     for (path, name, kind, time, X, way, rough), k in zip(tracks, keys, strict=True):
         at = np.unique(time[k].astype(np.float32))  # as pages keep them: a key stands at a time that there is
-        values = _at(at.astype(np.float64), time, X, way).astype(np.float32)
+        values = _interpolate(at.astype(np.float64), time, X, way).astype(np.float32)
         clips[path].tracks[name] = AnimationTrack(name, kind, at.tolist(), values.tolist())
         if rough <= 1.0:
-            shown = _at(time, at.astype(np.float64), values.astype(np.float64), way)
+            shown = _interpolate(time, at.astype(np.float64), values.astype(np.float64), way)
             off = max(off, float(np.linalg.norm(shown - X, axis=1).max()))
     paths = {Path(tuple(path.strip("/").split("/"))): clip for path, clip in clips.items()}
     return Animation(paths, default_framerate=1), off
@@ -93,7 +95,7 @@ def keys_of(time: Floats, X: Floats, way: Way, error: float) -> Ints:
     while True:
         pieces = max(1, int(np.ceil(share[-1] * count)))
         keys = np.unique(np.r_[0, np.searchsorted(share, np.linspace(0.0, share[-1], pieces + 1)).clip(0, last), last])
-        off = np.linalg.norm(_at(time, time[keys], X[keys], way) - X, axis=1).max()
+        off = np.linalg.norm(_interpolate(time, time[keys], X[keys], way) - X, axis=1).max()
         if len(keys) > last or off <= error:
             return keys
         count *= 1.5
@@ -101,7 +103,7 @@ def keys_of(time: Floats, X: Floats, way: Way, error: float) -> Ints:
             return np.arange(last + 1)
 
 
-def _at(wanted: Floats, time: Floats, X: Floats, way: Way) -> Floats:
+def _interpolate(wanted: Floats, time: Floats, X: Floats, way: Way) -> Floats:
     """Return what stands at the times wanted, between neighbours of `X` at `time`."""
     if len(time) == 1:
         return np.repeat(X, len(wanted), axis=0)

@@ -34,12 +34,12 @@ def find() -> str:
     Raises
     ------
     OspaceError
-        There is none.
+        No Chromium is installed.
     """
     for name in NAMES:
-        found = shutil.which(name)
-        if found:
-            return found
+        path = shutil.which(name)
+        if path:
+            return path
     raise OspaceError(
         "a screenshot needs Chromium, which was not found: install it (Debian: apt install chromium), "
         "or write the scene with --html and open it in any browser"
@@ -62,12 +62,12 @@ def screenshot(page: str, path: Path, size: tuple[int, int] = (1000, 700), part:
     size : (int, int)
         Pixels.
     part : str
-        What follows ``#`` in the address: ``t=14.7`` is that time of an animation, ``bare`` the picture alone.
+        Fragment of the address, after ``#``: ``t=14.7`` is that time of an animation, ``bare`` the picture alone.
 
     Raises
     ------
     OspaceError
-        There is no Chromium, or it fails.
+        Chromium is not installed, or draws nothing.
     """
     chromium = find()
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:

@@ -66,7 +66,7 @@ class Weight:
 def save(
     report: Report, description: Description, path: str | PathLike[str], *, urdf: str, folders: Sequence[Path]
 ) -> Path:
-    """Write the report of a check to one HTML file, which asks for nothing; return its path.
+    """Write the report of a check to one HTML file, which needs no network; return its path.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def save(
         Of the robot that was checked; sound or not.
     path : path-like
     urdf : str
-        What the user calls the robot.
+        Name of the robot as the user wrote it.
     folders : sequence of Path
         The URDF, then folders of packages: where meshes are looked up.
     """
@@ -157,7 +157,7 @@ def _places(description: Description, bodies: Sequence[Body]) -> dict[str, tuple
 
 @dataclass
 class Picture:
-    """What there is to be seen of a robot.
+    """A robot as drawn, with what the page needs to show its parts.
 
     Attributes
     ----------
@@ -167,7 +167,7 @@ class Picture:
     labels : list of Label
     notes : list of str
     shown : dict of subject of a finding to dict
-        What the page shows of it on demand: ``paths`` of the nodes of its links, and ``at``, the placement of the
+        Nodes and frame that the page highlights on demand: ``paths`` of the nodes of its links, and ``at``, the placement of the
         first, (16,) column by column, m.
     """
 
@@ -272,9 +272,9 @@ def _labels(scene: MeshcatScene, geometry: RobotGeometry, marks: Mapping[str, st
 
 
 def _notes(geometry: RobotGeometry, findings: Sequence[Finding], marks: Mapping[str, str]) -> list[str]:
-    """Return what is to be known of the picture and not told by the findings."""
-    told = {(finding.code, finding.subject) for finding in findings}
-    notes = [str(one) for one in geometry.findings if (one.code, one.subject) not in told]
+    """Return notes on the picture that the findings do not already report."""
+    reported = {(finding.code, finding.subject) for finding in findings}
+    notes = [str(one) for one in geometry.findings if (one.code, one.subject) not in reported]
     if geometry.findings:
         notes.append("where a mesh cannot be shown, a box of the link's inertia stands in its place")
     if len(marks) > _MOST_NAMES:

@@ -1,4 +1,4 @@
-"""What surrounds a robot: background and stars, sun and camera; and the small solids that stand for quantities."""
+"""Surroundings of a robot: background and stars, sun and camera; arrows and triads that stand for quantities."""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ class MeshcatScene:
         self._listeners.append(listener)
 
     def forget(self, listener: Callable[[bytes], None]) -> None:
-        """Call `listener` no more."""
+        """Stop calling `listener`."""
         self._listeners.remove(listener)
 
     def _send(self, command: Any, path: str, name: str = "") -> None:
@@ -67,9 +67,9 @@ class MeshcatScene:
         content = umsgpack.packb(lowered, force_float_precision="single" if single else "double")
         with self._lock:
             self._commands[lowered["type"], path, name] = content
-            self._tell(content)
+            self._notify(content)
 
-    def _tell(self, content: bytes) -> None:
+    def _notify(self, content: bytes) -> None:
         for listener in self._listeners:
             listener(content)
 

@@ -42,14 +42,14 @@ _MOMENTA = {"linear": 0x3FA7FF, "angular": 0xFF6BD6}
 _PARTS = ("whole", "base", "arms")
 _THIN = 1e-3  # of the longest semi-axis, which a singular direction is drawn with
 _VANISHED = 1e-6  # of the robot's size: what a scale of zero, which no page can invert, is drawn with
-_NOTHING = 1e-9  # of the scale of momentum: rounding, and no arrow
-_SLOW = 0.1  # m/s and rad/s: what the arrows of momentum are measured by, unless a motion tells
+_ROUND_OFF = 1e-9  # of the scale of momentum: rounding, and no arrow
+_SLOW = 0.1  # m/s and rad/s: what the arrows of momentum are measured by, unless a motion sets the scale
 
 Placed = Iterator[tuple[str, Floats]]
 
 
 class Overlay(ABC):
-    """A quantity on a scene.
+    """A quantity drawn over a scene.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class Overlay(ABC):
 
     @property
     def legend(self) -> str:
-        """What its lengths and colours say."""
+        """Meaning of its lengths and colours."""
         return self._legend
 
     def measure(self, states: Iterable[State]) -> None:  # noqa: B027 (most have a scale of their own)
@@ -179,7 +179,7 @@ class Momentum(Overlay):
 
     @property
     def legend(self) -> str:
-        """What the arrows' lengths say."""
+        """Meaning of the arrows' lengths."""
         linear, angular = (f"{largest / self._length:.2g}" for largest in self._largest.values())
         return (
             f"blue: linear, {linear} kg m/s as 1 m; magenta: angular, {angular} kg m²/s as 1 m; "
@@ -200,7 +200,7 @@ class Momentum(Overlay):
         for part, (h, at) in _momenta(state).items():
             for kind, vector in (("linear", h[:3]), ("angular", h[3:])):
                 size = float(np.linalg.norm(vector))
-                shown = size > _NOTHING * scale
+                shown = size > _ROUND_OFF * scale
                 length = max(self._least, self._length * size / self._largest[kind]) if shown else self._least
                 yield self._arrows[part, kind], homogeneous(length * (_z_along(vector) if shown else np.eye(3)), at)
 

@@ -22,7 +22,7 @@ _MESHCAT = Path(meshcat.__file__).with_name("viewer") / "dist" / "main.min.js"
 
 @dataclass(frozen=True)
 class Layer:
-    """What can be switched on and off.
+    """A group of nodes that can be switched on and off.
 
     Attributes
     ----------
@@ -30,7 +30,7 @@ class Layer:
     paths : list of str
         Nodes of the scene that belong to it.
     shown : bool
-        Whether it is at first.
+        True if it is visible at first.
     """
 
     name: str
@@ -51,7 +51,7 @@ class Label:
 
 @dataclass(frozen=True)
 class Content:
-    """What a page shows.
+    """Content of a page.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Content:
     layers : sequence of Layer
     labels : sequence of Label
     notes : sequence of str
-        What the user should know of the picture.
+        Remarks on the picture for the user.
     """
 
     scene: MeshcatScene

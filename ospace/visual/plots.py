@@ -88,7 +88,7 @@ class Panel:
     start, end : float
         Times at these, s.
     description : str
-        What is to be seen, in words.
+        The curves in words, for readers who do not see them.
     """
 
     name: str
@@ -178,25 +178,25 @@ def figure(
 
 
 def save(made: Figure, path: Path) -> None:
-    """Write a figure; the suffix tells the format."""
+    """Write a figure; its suffix selects the format."""
     with _settings("figure"), replacing(path) as part:
         made.savefig(part, dpi=150, metadata=_UNDATED.get(path.suffix))
 
 
 def svg(series: Series, phases: Sequence[PhaseResult] = (), *, dark: bool) -> Panel:
     """Return a series as a panel of a page; `phases` and `dark` as of `draw`."""
-    told, prefix, columns = describe(series), f"{series.name}-{'dark' if dark else 'light'}", _COLUMNS
+    description, prefix, columns = describe(series), f"{series.name}-{'dark' if dark else 'light'}", _COLUMNS
     while True:
         made = figure([series], phases, dark=dark, columns=columns)
         written = io.BytesIO()
         with _settings(series.name):
             made.savefig(written, format="svg", transparent=True, metadata=_UNDATED[".svg"])
-        text = _embedded(written.getvalue(), prefix, series.title, told)
+        text = _embedded(written.getvalue(), prefix, series.title, description)
         if len(text) <= _LARGEST or columns == 1:
             break
         columns = max(1, int(0.9 * columns * _LARGEST / len(text)))
     start, end = made.axes[0].get_xlim()
-    return Panel(series.name, series.title, text, _LEFT, _RIGHT, float(start), float(end), told)
+    return Panel(series.name, series.title, text, _LEFT, _RIGHT, float(start), float(end), description)
 
 
 def describe(series: Series) -> str:
@@ -319,7 +319,7 @@ def _draw_legend(axes: Axes, handles: Mapping[str, Any], theme: _Theme) -> None:
 
 
 def _label(name: str, letters: int) -> str:
-    """Return a name of at most so many letters: what tells joints apart stands at either end."""
+    """Return a name of at most so many letters: joints differ at either end."""
     if len(name) > letters:
         name = f"{name[: (letters - 1) // 2]}…{name[-(letters // 2) :]}"
     text = _text(name)
@@ -339,7 +339,7 @@ _UNDATED: dict[str, dict[str, Any]] = {".svg": {"Date": None}, ".pdf": {"Creatio
 
 @contextmanager
 def _settings(salt: str) -> Iterator[None]:
-    """Text stays text, the same figure gives the same file, and letters that a font lacks are no warning."""
+    """Keep text as text, files reproducible, and silence warnings about missing glyphs."""
     from matplotlib import rc_context
 
     with rc_context({"svg.fonttype": "none", "svg.hashsalt": salt}), warnings.catch_warnings():

@@ -146,8 +146,8 @@ class _GeometryBuilder:
                 parts = list(shape_parts(shape, self._mesh(shape.filename) if shape.kind == "mesh" else None))
             except (MeshError, ValueError) as error:
                 code = error.code if isinstance(error, MeshError) else "mesh-unreadable"
-                told = make_finding(code, link.subject, str(error), line=shape.line, value=shape.filename)
-                self.geometry.findings.append(told)
+                finding = make_finding(code, link.subject, str(error), line=shape.line, value=shape.filename)
+                self.geometry.findings.append(finding)
                 if shape.role == "visual" and inertia is not None and not boxed:
                     self.box(node, link.name, inertia)
                     boxed = True

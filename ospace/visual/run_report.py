@@ -23,7 +23,7 @@ _SAME = 1e-9  # s: times that differ by rounding
 
 
 def save(run: Run, path: str | PathLike[str]) -> Path:
-    """Write the report of a run to one HTML file, which asks for nothing; return its path."""
+    """Write the report of a run to one HTML file, which needs no network; return its path."""
     text = render(run)
     with replacing(path) as part:
         part.write_text(text, encoding="utf-8")

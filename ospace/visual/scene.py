@@ -105,7 +105,7 @@ class Scene:
     duration : float
         Of the animation, s.
     error : float
-        How far a body may be from its motion between two keys of the animation, m and half angles in rad.
+        Largest deviation of a body from its motion between two keys of the animation, m and half angles in rad.
     findings : list of Finding
         Meshes that cannot be shown; a box of the link's inertia stands in their place.
 
@@ -209,7 +209,7 @@ class Scene:
         Raises
         ------
         OspaceError
-            q or v is no state of the robot, or there are more configurations than robots.
+            q or v is not a state of the robot, or there are more configurations than robots.
         """
         q, v = checked_state(self.robot, q, np.zeros(self.robot.nv) if v is None else v)
         if len(others) >= len(self._robots):

@@ -22,7 +22,7 @@ from ospace.visual.page import Content
 LOOPBACK = "127.0.0.1"
 _LOOPBACKS = (LOOPBACK, "localhost", "::1", "[::1]")
 PORT = 7000
-_TRIES = 50  # ports from the first on, unless one is asked for
+_TRIES = 50  # ports from the first on, unless one is given
 
 
 class Server:
@@ -33,7 +33,7 @@ class Server:
     content : function
         Returns the content of the page, each time that one is opened.
     host : str
-        Address to listen on: loopback, which this machine alone reaches, unless told otherwise.
+        Address to listen on: loopback, which this machine alone reaches, by default.
     port : int, optional
         The first free one from 7000 on without it.
 
@@ -69,7 +69,7 @@ class Server:
 
     @property
     def viewers(self) -> int:
-        """How many pages are open."""
+        """Number of open pages."""
         return len(self._viewers)
 
     def _serve(self) -> None:
@@ -95,7 +95,7 @@ class Server:
 
     def _send(self, command: bytes) -> None:
         for viewer in list(self._viewers):
-            viewer.tell(command)
+            viewer.send(command)
 
 
 class _Known(RequestHandler):
@@ -122,7 +122,7 @@ class _Socket(_Known, WebSocketHandler):
 
     def open(self, *args: str, **more: str) -> None:
         for command in self._make().scene.commands():
-            self.tell(command)
+            self.send(command)
         self._viewers.add(self)
 
     def on_message(self, message: str | bytes) -> None:
@@ -131,7 +131,7 @@ class _Socket(_Known, WebSocketHandler):
     def on_close(self) -> None:
         self._viewers.discard(self)
 
-    def tell(self, command: bytes) -> None:
+    def send(self, command: bytes) -> None:
         """Send a command; a page that was closed meanwhile does not matter."""
         try:
             self.write_message(command, binary=True)

@@ -1,4 +1,4 @@
-"""Shapes of a URDF as solids that meshcat draws: boxes and the like by their sizes, meshes by their triangles."""
+"""Shapes of a URDF in parts that meshcat draws: boxes and the like by their sizes, meshes by their triangles."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class SmoothSphere(g.Sphere):  # type: ignore[misc]
 
 @dataclass(frozen=True)
 class ShapePart:
-    """What stands at `T` (4, 4), m, in the frame of its link."""
+    """A part of a shape, placed at `T` (4, 4), m, in the frame of its link."""
 
     geometry: Any
     colour: Colour
@@ -42,7 +42,7 @@ class ShapePart:
 
 
 def shape_parts(shape: Shape, mesh: Path | None = None) -> Iterator[ShapePart]:
-    """Yield what a shape is made of; `mesh` is the file of a <mesh>.
+    """Yield the parts of a shape; `mesh` is the file of a <mesh>.
 
     Raises
     ------
@@ -112,7 +112,7 @@ def _mesh_parts(path: Path, changed: int) -> list[tuple[Floats, Any, Colour]]:
         scene = trimesh.load_scene(path)
         if scene.units not in (None, "meters", "meter"):
             scene = scene.convert_units("meters")
-        found = []
+        parts = []
         for part in scene.dump():
             if not isinstance(part, trimesh.Trimesh) or not np.isfinite(part.vertices).all():
                 continue
@@ -120,12 +120,12 @@ def _mesh_parts(path: Path, changed: int) -> list[tuple[Floats, Any, Colour]]:
             part = trimesh.Trimesh(part.vertices, part.faces)  # without textures, which would be cut to pieces too
             if len(part.faces) <= _MOST_FACES:
                 part = trimesh.graph.smooth_shade(part, angle=_SHARP)
-            found.append((np.asarray(part.vertices), np.asarray(part.faces), colour))
+            parts.append((np.asarray(part.vertices), np.asarray(part.faces), colour))
     except Exception as error:  # a parser of files from anywhere raises what it meets
         raise ValueError(f"'{path.name}' cannot be read: {type(error).__name__}: {error}") from None
-    if not found:
+    if not parts:
         raise ValueError(f"'{path.name}' has no triangles that can be read{_broken(path) if collada else ''}")
-    return found
+    return parts
 
 
 def _broken(path: Path) -> str:

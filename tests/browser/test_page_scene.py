@@ -174,7 +174,7 @@ def shown_layers(page):
     return {layer for layer, states in shown.items() if states == {True}}
 
 
-def test_layers_switch(open_page, planar):
+def test_layers_are_switched_by_their_buttons(open_page, planar):
     page = open_page(Scene(planar).html())
     shown = set(SHOWN)
     assert shown_layers(page) == shown
@@ -191,7 +191,7 @@ def test_layers_switch(open_page, planar):
     assert page.locator("#labels").get_by_text("end_effector").is_visible()
 
 
-def test_layers_by_option(open_page, tmp_path, capsys):
+def test_layers_shown_at_first_follow_the_option(open_page, tmp_path, capsys):
     file = tmp_path / "scene.html"
     arguments = ["view", "planar_2r", "--layers", "momentum, robot", "--collision", "--html", str(file)]
     assert main(arguments) == 0
@@ -313,7 +313,7 @@ def test_ellipsoids_of_inertia(open_page, tmp_path):
 ODD = ("a/b", "__proto__", "constructor", "<b>bold</b>", "<object>", "toString", "%2F", "</script><img src=x>", "ü ''")
 
 
-def test_names_of_any_kind(open_page, tmp_path):
+def test_points_with_any_name_are_shown(open_page, tmp_path):
     """All are solids of their own; none is read as a path, as something of JavaScript's, or as markup."""
     body = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
     shape = '<visual><geometry><box size="0.1 0.2 0.3"/></geometry></visual>'
@@ -341,7 +341,7 @@ def test_names_of_any_kind(open_page, tmp_path):
     assert page.locator("img").count() == 0
 
 
-def test_a_notebook_shows_it(open_page, planar):
+def test_a_notebook_shows_a_scene(open_page, planar):
     """In a sandboxed frame, as a notebook has it."""
     page = open_page(
         f"<!DOCTYPE html><title>notebook</title>{Scene(planar)._repr_html_()}", (500, 400), bare=True, drawn=True

@@ -27,21 +27,21 @@ def folder(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("out", ["in.urdf", "./in.urdf", "sub/../in.urdf", "link.html", "other.html"])
 def test_an_output_is_no_input(folder, out):
-    with pytest.raises(OspaceError, match=r"is what is read, in\.urdf; give another file") as told:
+    with pytest.raises(OspaceError, match=r"is what is read, in\.urdf; give another file") as refused:
         output.distinct([Path("in.urdf")], [None, Path(out)])
-    assert str(told.value).startswith(str(Path(out)))
+    assert str(refused.value).startswith(str(Path(out)))
 
 
 @pytest.mark.parametrize("pair", [("a.png", "a.png"), ("a.png", "sub/../a.png"), ("new.html", "nowhere.html")])
 def test_outputs_are_not_each_other(folder, pair):
     first, second = map(Path, pair)
-    with pytest.raises(OspaceError, match="to be written twice") as told:
+    with pytest.raises(OspaceError, match="to be written twice") as refused:
         output.distinct([], [first, None, second])
-    assert str(told.value).startswith(str(second))
-    assert str(first) in str(told.value)
+    assert str(refused.value).startswith(str(second))
+    assert str(first) in str(refused.value)
 
 
-def test_what_is_distinct(folder):
+def test_distinct_files_are_accepted(folder):
     files = [Path("a.html"), Path("a.png"), Path("sub"), Path("sub/a.html"), Path("/dev/null")]
     output.distinct([Path("in.urdf"), Path("/dev/null"), Path("missing.toml")], files)
     output.distinct([], [Path("/dev/null"), Path("/dev/null")])
@@ -70,7 +70,7 @@ def test_asking_whether_files_are_writable_leaves_them_as_they_are(folder):
 
 
 @pytest.mark.parametrize("name", ["missing/a.html", "in.urdf/a.html", "sub"])
-def test_what_is_not_writable(folder, name):
+def test_an_unwritable_output_is_refused(folder, name):
     with pytest.raises(OSError, match=name):
         output.writable(Path(name))
 
@@ -80,7 +80,7 @@ def test_what_is_not_writable(folder, name):
     [(OSError(28, "No space left on device"), "No space left on device"), (OspaceError("it is"), "it is"),
      (OSError("odd"), "odd")],
 )  # fmt: skip
-def test_what_cannot_be_written_is_told(capsys, error, reason):
+def test_an_output_that_cannot_be_written_is_reported(capsys, error, reason):
     def fail():
         raise error
 

@@ -55,7 +55,7 @@ def test_all_quantities_by_default(plot, logged, tmp_path):
 
 
 @pytest.mark.parametrize(("suffix", "begin"), [(".svg", b"<?xml"), (".png", b"\x89PNG"), (".pdf", b"%PDF")])
-def test_formats(plot, logged, tmp_path, suffix, begin):
+def test_a_plot_has_the_format_of_its_suffix(plot, logged, tmp_path, suffix, begin):
     out = tmp_path / f"out{suffix}"
     assert plot(logged[0], "--quantity", "torque", "--out", out) == (0, f"{out}: torque\n", "")
     assert out.read_bytes().startswith(begin)
@@ -67,7 +67,7 @@ def test_the_same_log_gives_the_same_file(plot, logged, tmp_path):
     assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
 
 
-def test_quantities_that_are_asked_for(plot, logged, tmp_path):
+def test_given_quantities_alone_are_plotted(plot, logged, tmp_path):
     status, out, _ = plot(logged[0], "--quantity", "sigma-min", "--quantity", "path", "--quantity", "sigma-min")
     assert (status, out) == (0, "first.svg: sigma-min, path\n")
     shown = texts(tmp_path / "first.svg")
@@ -114,7 +114,7 @@ def test_an_existing_file_is_written_anew(plot, logged, tmp_path):
         (["first.npz", "--out", "link.svg"], "link.svg: is what is read, first.npz"),
     ],
 )
-def test_wrong_use(plot, logged, tmp_path, arguments, words):
+def test_plot_refuses_wrong_usage(plot, logged, tmp_path, arguments, words):
     (tmp_path / "first.npz").write_bytes(logged[0].read_bytes())
     (tmp_path / "log.svg").write_bytes(logged[0].read_bytes())
     (tmp_path / "link.svg").symlink_to("first.npz")

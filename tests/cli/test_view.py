@@ -32,7 +32,7 @@ def view(capsys, tmp_path, monkeypatch):
     return call
 
 
-def test_one_file(view, tmp_path):
+def test_a_view_is_written_to_one_file(view, tmp_path):
     status, out, err = view("planar_2r", "--html", "out.html")
     assert (status, err) == (0, "")
     assert re.fullmatch(r"wrote out\.html: \d\.\d MB, opened by any browser\n", out)
@@ -55,7 +55,7 @@ def test_one_file(view, tmp_path):
         (["--sweep"], "planar_2r"),
     ],
 )
-def test_options(view, tmp_path, options, expected):
+def test_view_options_change_the_page(view, tmp_path, options, expected):
     status, _, err = view("planar_2r", *options, "--html", "out.html")
     assert (status, err) == (0, "")
     assert expected in (tmp_path / "out.html").read_text(encoding="utf-8")
@@ -104,7 +104,7 @@ def test_layers_shown_at_first(view, tmp_path):
         (["planar_2r", "target"], "unrecognized arguments"),
     ],
 )
-def test_mistakes(view, tmp_path, arguments, words):
+def test_view_refuses_wrong_arguments(view, tmp_path, arguments, words):
     (tmp_path / "folder").mkdir()
     output = [] if {"--html", "--screenshot", "--host", "--port"} & set(arguments) else ["--html", "out.html"]
     status, out, err = view(*arguments, *output)
@@ -118,8 +118,8 @@ def test_mistakes(view, tmp_path, arguments, words):
     ("options", "words"),
     [
         (["--sweep", "--screenshot", "out.png"], "--screenshot is a still picture: give --html too"),
-        (["--html", "out.html", "--host", "127.0.0.1"], "--host tells where to serve: give it without --html"),
-        (["--screenshot", "out.png", "--port", "7000"], "--port tells where to serve: give it without --html"),
+        (["--html", "out.html", "--host", "127.0.0.1"], "--host selects where to serve: use it without --html"),
+        (["--screenshot", "out.png", "--port", "7000"], "--port selects where to serve: use it without --html"),
         (
             ["--html", "out.html", "--pose", "joint_1=1, joint_1=2"],
             "--pose 'joint_1=2': joint 'joint_1' is given twice",
@@ -129,7 +129,7 @@ def test_mistakes(view, tmp_path, arguments, words):
         (["--html", "a.png", "--screenshot", "a.png"], "a.png: is to be written twice, as a.png too"),
     ],
 )
-def test_nothing_is_ignored_or_overwritten(view, tmp_path, monkeypatch, options, words):
+def test_view_ignores_no_option_and_overwrites_no_input(view, tmp_path, monkeypatch, options, words):
     monkeypatch.setattr("ospace.visual.browser.find", lambda: "chromium")
     file, link = tmp_path / "robot.urdf", tmp_path / "link.html"
     file.write_bytes(ospace.models.path("planar_2r").read_bytes())
@@ -142,20 +142,20 @@ def test_nothing_is_ignored_or_overwritten(view, tmp_path, monkeypatch, options,
     assert file.read_bytes() == before
 
 
-def test_a_sweep_tells_how_far_it_is(view, monkeypatch):
+def test_a_sweep_reports_its_progress(view, monkeypatch):
     from ospace.cli import progress
 
-    honest, told = progress.bar, []
+    honest, reported = progress.bar, []
 
     @contextlib.contextmanager
     def bar(given, what, total):
         with honest(given, what, total) as advance:
-            yield lambda done: (told.append((done, total)), advance(done))
+            yield lambda done: (reported.append((done, total)), advance(done))
 
     monkeypatch.setattr(progress, "bar", bar)
     assert view("planar_2r", "--sweep", "--html", "out.html")[0] == 0
-    assert {total for _, total in told} == {100}
-    assert [told[0][0], told[-1][0]] == [0, 100]
+    assert {total for _, total in reported} == {100}
+    assert [reported[0][0], reported[-1][0]] == [0, 100]
 
 
 def test_no_picture_without_chromium(view, tmp_path, monkeypatch):
@@ -192,7 +192,7 @@ def test_a_port_in_use(view):
     assert f"cannot listen on 127.0.0.1, port {port}: Address already in use" in err
 
 
-def test_a_missing_mesh_is_told(view, tmp_path):
+def test_a_missing_mesh_is_reported(view, tmp_path):
     body = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
     shape = '<visual><geometry><mesh filename="nowhere.stl"/></geometry></visual>'
     (tmp_path / "r.urdf").write_text(f'<robot name="r"><link name="base">{body}{shape}</link></robot>')
@@ -220,7 +220,7 @@ def test_help_names_the_layers(view, monkeypatch):
     assert f"default: {','.join(SHOWN)}" in text
 
 
-def test_host_and_port_until_ctrl_c(tmp_path):
+def test_view_serves_at_host_and_port_until_ctrl_c(tmp_path):
     """Served where it is asked for, and nowhere else; Ctrl-C is how it ends well."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.2", 0))

@@ -47,7 +47,7 @@ def test_straight_lines_keep_the_error(name, error):
 @pytest.mark.parametrize(
     ("name", "most"), [("constant", 2), ("a line", 4), ("kinked", 20), ("rest, motion, rest", 200)]
 )
-def test_what_rests_takes_few_keys(name, most):
+def test_a_body_at_rest_takes_few_keys(name, most):
     assert len(keys_of(TIME, CURVES[name], animation._line, 1e-4)) <= most
 
 

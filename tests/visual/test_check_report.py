@@ -55,7 +55,7 @@ class Page:
 
     def rows(self, table):
         """Texts of the cells of a table, row by row."""
-        return [[told(cell) for cell in row] for row in self.tree.xpath(f"//table[@id='{table}']/tbody/tr")]
+        return [[text_of(cell) for cell in row] for row in self.tree.xpath(f"//table[@id='{table}']/tbody/tr")]
 
     def data(self, name):
         """What a script finds in the page."""
@@ -79,7 +79,7 @@ class Page:
         }
 
 
-def told(element):
+def text_of(element):
     return " ".join(element.text_content().split())
 
 
@@ -127,9 +127,9 @@ def agree(document, page):
     for row, one in zip(rows, document["agreement"], strict=True):
         assert row[4:6] == [f"{one[key]:.1e}" if one[key] is not None else "not finite" for key in ("error", "bound")]
         assert row[6].startswith(one["verdict"])
-    assert told(page.tree.xpath("//span[starts-with(@class, 'verdict')]")[0]) == document["verdict"]
+    assert text_of(page.tree.xpath("//span[starts-with(@class, 'verdict')]")[0]) == document["verdict"]
     codes = {one["code"] for one in document["findings"]}
-    details = {one.get("id").removeprefix("code-"): told(one) for one in page.tree.xpath("//details[@id!='notes']")}
+    details = {one.get("id").removeprefix("code-"): text_of(one) for one in page.tree.xpath("//details[@id!='notes']")}
     assert details.keys() == codes
     assert all(" ".join(RULES[code].reason.split()) in details[code] for code in codes)
 
@@ -156,7 +156,7 @@ def test_masses_sum_to_the_total(check):
     assert masses == sorted(masses, reverse=True)
     assert sum(float(row[2].removesuffix(" %")) for row in rows) == pytest.approx(100.0, abs=0.05 * len(rows))
     (total,) = page.tree.xpath("//table[@id='mass-table']/tfoot/tr")
-    assert [told(cell) for cell in total][:3] == ["total", "483", "100 %"]
+    assert [text_of(cell) for cell in total][:3] == ["total", "483", "100 %"]
     of_base = [float(row[1]) for row in rows if row[0] == "base" or row[6] == "base"]
     assert sum(of_base) == pytest.approx(document["model"]["base_mass"])
 
@@ -176,7 +176,7 @@ def test_the_page_asks_for_nothing_and_is_well_made(check):
     assert not page.tree.xpath("//script[@src] | //link[@href != 'data:,'] | //img | //iframe")
     assert len(page.tree.xpath("//h1")) == 1
     for table in page.tree.xpath("//table"):
-        assert told(table.find("caption"))
+        assert text_of(table.find("caption"))
         assert page.tree.get_element_by_id(table.get("aria-labelledby")).tag == "h2"
         assert all(one.get("scope") in ("col", "row") for one in table.iter("th"))
     names = [one.get("id") for one in page.tree.xpath("//*[@id]")]
@@ -255,14 +255,14 @@ def test_a_negative_mass_leaves_no_shares(check):
 def test_a_button_shows_the_links_of_its_finding(check):
     _, document, page = check(TWO_FAULTS)
     buttons = page.tree.xpath("//button[@data-shown]")
-    assert [told(one) for one in buttons] == [one["subject"] for one in document["findings"]]
+    assert [text_of(one) for one in buttons] == [one["subject"] for one in document["findings"]]
     shown = page.data("shown-data")
-    paths = {told(one): shown[int(one.get("data-shown"))]["paths"] for one in buttons}
+    paths = {text_of(one): shown[int(one.get("data-shown"))]["paths"] for one in buttons}
     assert any(path.endswith("/robot/link hand") for path in paths["joint 'wrist'"])
     drawn = set(page.colours())
     for some in paths.values():
         assert any(one.startswith(f"{path}/") for path in some for one in drawn)
-    at = {told(one): shown[int(one.get("data-shown"))]["at"] for one in buttons}
+    at = {text_of(one): shown[int(one.get("data-shown"))]["at"] for one in buttons}
     assert at["joint 'wrist'"][12:15] == pytest.approx([0.6, 0.0, 0.2])
 
 
@@ -276,7 +276,7 @@ def test_a_finding_on_a_merged_body_shows_all_its_links(check):
         + joint("weld", "tool", "arm", kind="fixed")
     )
     (merged,) = [one["subject"] for one in document["findings"] if "fixed to it" in one["subject"]]
-    (button,) = [one for one in page.tree.xpath("//button[@data-shown]") if told(one) == merged]
+    (button,) = [one for one in page.tree.xpath("//button[@data-shown]") if text_of(one) == merged]
     paths = page.data("shown-data")[int(button.get("data-shown"))]["paths"]
     assert {path.rpartition("/link ")[2] for path in paths} == {"arm", "tool"}
 
@@ -284,7 +284,7 @@ def test_a_finding_on_a_merged_body_shows_all_its_links(check):
 def test_only_some_names_are_shown_and_all_links_are_coloured(check):
     _, _, page = check("".join([link("base"), *(link(f"a{k}", "") + joint(f"j{k}", f"a{k}") for k in range(20))]))
     assert len(page.data("scene-data")["labels"]) == 12
-    assert "20 links are coloured; the names of 12 are shown" in told(page.tree.get_element_by_id("notes"))
+    assert "20 links are coloured; the names of 12 are shown" in text_of(page.tree.get_element_by_id("notes"))
     assert sum(colour == hexadecimal("error") for colour in page.colours().values()) == 20
 
 
@@ -309,12 +309,12 @@ def test_a_robot_with_collision_shapes_alone_shows_them(check):
     ]
 
 
-def test_a_mesh_that_is_missing_is_told_and_its_inertia_stands_in(check):
+def test_a_missing_mesh_is_reported_and_its_inertia_stands_in(check):
     _, document, page = check(link("base", shape=MESH) + link("arm") + joint("shoulder", "arm"))
     assert "mesh-missing" in {one["code"] for one in document["findings"]}
     agree(document, page)
     assert any("/link base/inertia box" in path for path in page.colours())
-    assert "a box of the link's inertia" in told(page.tree.get_element_by_id("notes"))
+    assert "a box of the link's inertia" in text_of(page.tree.get_element_by_id("notes"))
 
 
 FAR = '<visual><origin xyz="9e11 0 0"/><geometry><box size="1e12 1 1"/></geometry></visual>'
@@ -322,12 +322,12 @@ VAST = '<visual><geometry><mesh filename="vast.obj" scale="1e12 1 1"/></geometry
 
 
 @pytest.mark.parametrize("shape", [FAR, VAST], ids=["far", "overflow"])
-def test_what_cannot_be_drawn_is_told(check, tmp_path, shape):
+def test_a_robot_that_cannot_be_drawn_is_reported(check, tmp_path, shape):
     (tmp_path / "vast.obj").write_text("v 0 0 0\nv 1e300 0 0\nv 0 1 0\nf 1 2 3\n")
     status, document, page = check(link("base", INERTIAL.replace('"2"', '"-2"'), shape))
     assert status == 1
     agree(document, page)
-    assert "cannot be drawn" in told(page.tree.get_element_by_id("notes"))
+    assert "cannot be drawn" in text_of(page.tree.get_element_by_id("notes"))
     assert page.tree.xpath("//button[@data-shown]") == []
     assert not [path for path in page.colours() if path.startswith("/robot")]
     assert page.rows("mass-table")[0][:3] == ["base", "-2", ""]
@@ -338,7 +338,7 @@ def test_a_base_without_anything_is_a_dot(check):
     assert status == 1
     agree(document, page)
     assert set(page.colours().values()) >= {hexadecimal("error")}
-    assert "No link of this robot has mass." in told(page.tree.get_element_by_id("told"))
+    assert "No link of this robot has mass." in text_of(page.tree.get_element_by_id("report"))
 
 
 def test_a_check_that_breaks_off_is_reported(check):
@@ -348,21 +348,21 @@ def test_a_check_that_breaks_off_is_reported(check):
     assert status == 1
     assert "singular-inertia" in {one["code"] for one in document["findings"]}
     agree(document, page)
-    assert "Nothing was compared" in told(page.tree.get_element_by_id("told"))
+    assert "Nothing was compared" in text_of(page.tree.get_element_by_id("report"))
 
 
 # -- hostile files -----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_names_are_text(check, name):
+def test_names_of_links_and_joints_are_text(check, name):
     parts = link("base") + link(name, "", shape="") + joint(f"{name}!", name)
     status, document, page = check(parts)
     assert status == 1
     agree(document, page)
     assert len(page.tree.xpath("//script")) == 5
     assert page.tree.xpath("//script[contains(text(), 'alert(1)')][not(@type)]") == []
-    subjects = [told(one) for one in page.tree.xpath("//button[@data-shown]")]
+    subjects = [text_of(one) for one in page.tree.xpath("//button[@data-shown]")]
     assert f"joint '{name}!'" in subjects
     assert [one["text"] for one in page.data("scene-data")["labels"]] == [f"{name}: error"]
     dots = [path for path in page.colours() if path.endswith("/dot")]
@@ -380,7 +380,7 @@ def test_names_within_messages_are_text(check, name):
 def test_the_whole_robot_s_name_is_text(check):
     name = "<script>alert(1)</script>"
     _, _, page = check(f"<robot name={quoted(name)}>{link('base')}</robot>".encode())
-    assert told(page.tree.xpath("//h1")[0]) == name
+    assert text_of(page.tree.xpath("//h1")[0]) == name
     assert "<script>alert" not in page.text
 
 

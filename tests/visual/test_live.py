@@ -83,7 +83,7 @@ def test_a_page_of_another_name_is_not_answered(content):
 
 
 @pytest.mark.parametrize("host", ["a..b", "x" * 70 + ".example"])
-def test_what_is_no_host(content, host):
+def test_an_unknown_host_is_refused(content, host):
     with pytest.raises(OspaceError, match=r"cannot listen on .*, port 7000: "):
         Server(content, host)
 

@@ -168,8 +168,8 @@ def test_long_names_and_many_are_cut_to_their_room():
 def test_the_description_tells_the_peak():
     values = np.zeros((5, 2))
     values[3, 1] = -7.0
-    told = plots.svg(made(values, labels=("up", "down")), dark=True).description
-    assert told == "A title, from 0 s to 20 s. Largest of 2 curves: down, -7 mm at 15 s."
+    described = plots.svg(made(values, labels=("up", "down")), dark=True).description
+    assert described == "A title, from 0 s to 20 s. Largest of 2 curves: down, -7 mm at 15 s."
     assert "No values." in plots.describe(made(np.full((2, 1), np.nan)))
 
 
@@ -235,7 +235,7 @@ def test_a_figure_has_all_times_below_each_other(flown):
     assert len(edges) == 1
 
 
-def test_without_matplotlib(monkeypatch):
+def test_plots_name_matplotlib_where_it_is_missing(monkeypatch):
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     with pytest.raises(OspaceError, match=r"a plot needs Matplotlib: pip install 'ospace\[visual\]'"):
         plots.require()

@@ -70,7 +70,7 @@ def test_close_records_stay_as_they_are(robot):
     assert len(places) == len(motion.q)
 
 
-def test_without_velocities_by_the_geodesic(robot):
+def test_records_without_velocities_are_joined_by_the_geodesic(robot):
     q = np.array([robot.configuration({"joint_1": angle}) for angle in (0.0, 0.4, 0.6)])
     time, places, _ = resample.resample_poses(
         robot.model, np.array([0.0, 0.2, 0.4]), q, np.zeros((3, robot.nv)), poses_of(robot), 1e-6

@@ -146,7 +146,7 @@ def test_the_same_scene_is_the_same_but_for_names_of_objects(robot):
     assert one == other
 
 
-def test_a_missing_mesh_is_told_and_stands_as_a_box(tmp_path):
+def test_a_missing_mesh_is_reported_and_stands_as_a_box(tmp_path):
     file = tmp_path / "robot.urdf"
     mesh = '<visual><geometry><mesh filename="nowhere.stl"/></geometry></visual>'
     broken = '<visual><geometry><mesh filename="broken.stl"/></geometry></visual>'
@@ -180,7 +180,7 @@ def test_a_mesh_outside_is_not_opened(tmp_path, address):
 
 
 @pytest.mark.parametrize("name", ["a/b", "__proto__", "constructor", "<b>", "<object>", "a//", "/", "%2F", "..", "ü"])
-def test_names_of_any_kind(tmp_path, name):
+def test_points_with_any_name_are_shown(tmp_path, name):
     """Each is one node by itself, below the one that it belongs to."""
     file, quoted = tmp_path / "odd.urdf", saxutils.quoteattr(name)
     file.write_text(
@@ -280,7 +280,7 @@ def motion_of(robot, **changed):
         ("v", np.zeros(3), "the motion is not of"),
     ],
 )
-def test_what_is_no_motion(robot, name, value, words):
+def test_an_invalid_motion_is_refused(robot, name, value, words):
     scene = Scene(robot)
     before = list(scene.meshcat_scene.commands())
     with pytest.raises(OspaceError, match=words):
@@ -288,7 +288,7 @@ def test_what_is_no_motion(robot, name, value, words):
     assert list(scene.meshcat_scene.commands()) == before  # nothing is half done
 
 
-def test_no_motion_at_all(robot):
+def test_a_missing_motion_is_refused(robot):
     with pytest.raises(OspaceError, match="give an object with arrays time, q and v"):
         Scene(robot).animate(np.zeros((3, 9)))
     with pytest.raises(OspaceError, match="has 1 record: it takes two to move"):
@@ -304,7 +304,7 @@ def test_an_animation_lasts_as_long_as_its_motion(robot):
     assert scene.error <= 2.0 * ERROR
 
 
-def test_what_is_displayed_takes_the_place_of_an_animation(robot):
+def test_a_displayed_state_replaces_the_animation(robot):
     scene = Scene(robot)
     scene.animate(motion_of(robot))
     assert scene.duration == 1.0

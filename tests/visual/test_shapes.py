@@ -97,8 +97,8 @@ def test_a_mesh_of_parts_keeps_their_colours(tmp_path):
     parts = list(shape_parts(shape("mesh", (1.0, 1.0, 1.0), filename=file.name), file))
     assert sorted(part.colour[:3] for part in parts) == [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0)]
     assert sorted(round(part.colour[3], 2) for part in parts) == [0.5, 1.0]
-    told = shape("mesh", (1.0, 1.0, 1.0), filename=file.name, colour=(0.1, 0.2, 0.3, 1.0))
-    assert {part.colour for part in shape_parts(told, file)} == {(0.1, 0.2, 0.3, 1.0)}  # the URDF's own goes first
+    coloured = shape("mesh", (1.0, 1.0, 1.0), filename=file.name, colour=(0.1, 0.2, 0.3, 1.0))
+    assert {part.colour for part in shape_parts(coloured, file)} == {(0.1, 0.2, 0.3, 1.0)}  # the URDF's own goes first
 
 
 @pytest.mark.parametrize("content", [b"", b"solid nothing\nendsolid nothing\n", b"\x00" * 84, b"not a mesh"])
