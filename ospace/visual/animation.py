@@ -17,7 +17,7 @@ from ospace.kernels.tree import Floats, Ints
 
 ERROR = 4e-7
 """Largest deviation of a body from its motion between two keys: m, and half angles in rad."""
-_HALF_ANGLE_SHARE = 0.4
+_ANGLE_SHARE = 0.4
 """Share of it for half angles: a point one metre away from a body's origin moves by twice that."""
 _SCALED_FACTOR = 1e3
 """Factor of the deviation for quantities drawn to scale, which are for the eye alone."""
@@ -36,16 +36,14 @@ def animation(motions: Mapping[str, tuple[Floats, Floats]]) -> tuple[Animation, 
     Returns
     -------
     animation, error : Animation, float
-        Largest deviation of the page at the given times, scaled nodes apart: `ERROR` and the rounding of its numbers, or
-        more where that many keys would be too many.
+        Largest deviation of the page at the given times, scaled nodes apart: `ERROR` and the rounding of its numbers,
+        or more where that many keys would be too many.
     """
     tracks = []
     for path, (time, pose) in motions.items():
         rough = _SCALED_FACTOR if pose.shape[1] > 7 else 1.0
         tracks.append((path, "position", "vector3", time, pose[:, :3], _line, rough))
-        tracks.append(
-            (path, "quaternion", "quaternion", time, _continuous(pose[:, 3:7]), _arc, _HALF_ANGLE_SHARE * rough)
-        )
+        tracks.append((path, "quaternion", "quaternion", time, _continuous(pose[:, 3:7]), _arc, _ANGLE_SHARE * rough))
         if pose.shape[1] > 7:
             tracks.append((path, "scale", "vector3", time, pose[:, 7:], _line, rough))
     error = ERROR

@@ -167,8 +167,8 @@ class Picture:
     labels : list of Label
     notes : list of str
     shown : dict of subject of a finding to dict
-        Nodes and frame that the page highlights on demand: ``paths`` of the nodes of its links, and ``at``, the placement of the
-        first, (16,) column by column, m.
+        Nodes and frame that the page highlights on demand: ``paths`` of the nodes of its links, and ``at``, the
+        placement of the first, (16,) column by column, m.
     """
 
     scene: MeshcatScene
