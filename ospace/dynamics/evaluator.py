@@ -127,9 +127,9 @@ class OperationalSpaceEvaluator:
         self._stands = 0
         tables = {name: self._run.table(name) for name in BITS}
         self._arrays = {name: table.reshape(-1) if name in _VECTORS else table for name, table in tables.items()}
-        self._composes = bool(self._want & evaluation.COMPOSITE)
-        points_alone = self._want & ~(evaluation.COMPOSITE | _A_STATE) == 0
-        self._place: Callable[..., int] = evaluation.place_state if points_alone else evaluation.evaluate
+        composes, before = self._want & evaluation.COMPOSITE, self._want & evaluation.PLACED_BEFORE
+        self._composes = bool(composes and before)
+        self._place: Callable[..., int] = evaluation.compose if composes and not before else evaluation.evaluate
         if robot.own_kinematics:
             with _FIRST_USE:
                 refuse_other_types(self._place, (self._still, self._still, self._memory))
@@ -178,7 +178,7 @@ class OperationalSpaceEvaluator:
         if status:
             self._refine(status, q, v)
             return self
-        if self._composes and evaluation.compose(self._memory):
+        if self._composes and evaluation.compose(self._still, self._still, self._memory):
             self._refuse(not_finite("the dynamics of the composite bodies"))
         self._known, self._stands = self._want, 0
         return self
@@ -235,7 +235,7 @@ class OperationalSpaceEvaluator:
                 self._run.evaluate(self._want)
             else:
                 self._run.settle(status, self._want)
-                if self._composes and evaluation.compose(self._memory):
+                if self._composes and evaluation.compose(self._still, self._still, self._memory):
                     raise not_finite("the dynamics of the composite bodies")
         except OspaceError as error:
             self._refuse(error)
@@ -261,7 +261,7 @@ class OperationalSpaceEvaluator:
             raise OspaceError("there is no state to compute this from: call update(q, v) first, and heed its error")
         try:
             if not self._stands:  # the links' motion may not
-                self._wanted[0] = evaluation.FLOATING_BASE | evaluation.NORMALIZED
+                self._wanted[0] = evaluation.FLOATING_BASE | evaluation.JOINT_BIAS | evaluation.NORMALIZED
                 self._place(self._run.table("q")[:, 0], self._run.table("velocity")[:, 0], self._memory)
             self._run.evaluate(bits)
         finally:

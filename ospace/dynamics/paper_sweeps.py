@@ -120,10 +120,11 @@ def _translations(placements: Sequence[pin.SE3]) -> Floats:
 
 
 def _rigid_inertia(links: Joints) -> Floats:
-    """Return [m −m c̃; m c̃ I − m c̃ c̃] (n + 1, 6, 6)."""
-    about_centre = np.zeros((len(links.com), 6, 6))
-    about_centre[:, :3, :3] = np.eye(3) * links.mass[:, :, None]
+    """Return [m −m c̃; m c̃ I] (n + 1, 6, 6), I about the link's origin."""
+    I = np.zeros((len(links.mass), 6, 6))
+    I[:, :3, :3] = np.eye(3) * links.mass[:, :, None]
     row, column = np.tril_indices(3)
-    about_centre[:, 3 + row, 3 + column] = about_centre[:, 3 + column, 3 + row] = links.inertia
-    X = force_transform(np.tile(np.eye(3), (len(links.com), 1, 1)), links.com)
-    return X @ about_centre @ X.transpose(0, 2, 1)
+    I[:, 3 + row, 3 + column] = I[:, 3 + column, 3 + row] = links.inertia
+    X = force_transform(np.tile(np.eye(3), (len(links.mass), 1, 1)), links.first_moments)  # [1 0; m c̃ 1]
+    I[:, 3:, :3], I[:, :3, 3:] = X[:, 3:, :3], -X[:, 3:, :3]
+    return I

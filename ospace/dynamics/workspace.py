@@ -80,7 +80,7 @@ class Workspace:
         self.wanted[0] = want = want | kernel.LINKS_STAND
         if want & ~(kernel.COMPOSITE | kernel.LINKS_STAND):
             self.settle(kernel.evaluate(self._q, self._v, self.memory), want)
-        if want & kernel.COMPOSITE and kernel.compose(self.memory):
+        if want & kernel.COMPOSITE and kernel.compose(self._q, self._v, self.memory):
             raise not_finite("the dynamics of the composite bodies")
 
     def settle(self, status: int, want: int) -> None:
@@ -93,7 +93,8 @@ class Workspace:
             none = np.flatnonzero(~(self.table("relative_pivot")[1:, 0] > NO_INERTIA))
             raise SingularInertiaError(self.robot.joint_of_link(int(none[-1]) + 1))
         if status == kernel.DEPENDENT:
-            self.wanted[0] = kernel.JACOBIAN | kernel.FLOATING_BASE | kernel.NORMALIZED | want & kernel.LINKS_STAND
+            stand = want & (kernel.MOTION | kernel.LINKS_STAND)
+            self.wanted[0] = kernel.JACOBIAN | kernel.FLOATING_BASE | kernel.NORMALIZED | stand
             kernel.evaluate(self._q, self._v, self.memory)
             self.table("inertia")[:] = self.inverse_on_range(self.table("inertia_inverse"), self.table("jacobian"))
             if want & kernel.BIAS:
@@ -125,7 +126,7 @@ class Workspace:
     def inverse_on_range(self, Gamma_inv: Floats, J_e: Floats) -> Floats:
         """Return the inverse of Γ_e⁻¹ on its numerical range; note its rank and the rows that depend on each other."""
         self.wanted[0] |= kernel.FLOATING_BASE
-        kernel.compose(self.memory)
+        kernel.compose(self._q, self._v, self.memory)
         H = self.table("inertia_diagonal")[:, 0]
         Gamma, self.rank, self.dependent = inverse_on_range(Gamma_inv, J_e, np.diag(Gamma_inv), H)
         return Gamma
@@ -174,8 +175,7 @@ def compile_kernels() -> None:
     compile_together(
         [
             (kernel.evaluate, (vector, vector, vector)),
-            (kernel.place_state, (vector, vector, vector)),
-            (kernel.compose, (vector,)),
+            (kernel.compose, (vector, vector, vector)),
             (kernel.respond, (vector,)),
             (kernel.normalize, (vector, vector, vector)),
             (place_from_pinocchio, (table, table, table, vector)),

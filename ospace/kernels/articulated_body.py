@@ -28,11 +28,20 @@ def force_across(p: Row, U: Row, u: Number, beta_inv: Number) -> Row:
 
 
 @inlined
-def relative_pivot(I: Row, S: Row, beta: Number) -> Number:
-    """β over |S|² times the traces of the link's inertia: where it falls to rounding, the joint has no inertia left."""
+def relative_pivot(beta: Number, terms: Number) -> Number:
+    """β over the terms that it is made of: where it falls to rounding, the joint has no inertia left."""
+    return beta / (terms + 1e-300)  # no terms, no inertia
+
+
+@inlined
+def pivot_terms(I: Row, S: Row) -> Number:
+    """Return |S|² times the traces of the link's inertia."""
     linear = S[0] * S[0] + S[1] * S[1] + S[2] * S[2]
     angular = S[3] * S[3] + S[4] * S[4] + S[5] * S[5]
-    terms = linear * (absolute(I[0]) + absolute(I[2]) + absolute(I[5])) + angular * (
-        absolute(I[9]) + absolute(I[14]) + absolute(I[20])
-    )
-    return beta / (terms + 1e-300)  # no terms, no inertia
+    return linear * (absolute(I[0]) + absolute(I[2]) + absolute(I[5])) + angular * trace_angular(I)
+
+
+@inlined
+def trace_angular(I: Row) -> Number:
+    """The same where S = [0; z] is of unit length."""
+    return absolute(I[9]) + absolute(I[14]) + absolute(I[20])

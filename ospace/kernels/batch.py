@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ospace.kernels.evaluation import composite_bodies, operational_space, place, status
+from ospace.kernels.evaluation import composite_bodies, operational_space, place_both, status
 from ospace.kernels.jit.compile import Number, entry_for_threads, inlined
 from ospace.kernels.jit.simd import zeros
 from ospace.kernels.tree import Floats, Ints
@@ -71,7 +71,7 @@ def evaluate_lanes(Q: Floats, V: Floats, memory: Floats, number: Number, lanes: 
     for first in range(0, Q.shape[0], lanes):
         gather(Q, first, memory, at[3 * _Q], lanes)
         gather(V, first, memory, at[3 * _VELOCITY], lanes)
-        place(robot, w, wide)
+        place_both(robot, w, wide)
         operational_space(robot, w, wide)
         composite_bodies(robot, w)
         scatter(memory, at, _INERTIA_INVERSE, lanes, out.inertia_inverse, first)

@@ -5,7 +5,6 @@ Inertias, forces and motions stand at the links' own origins, d_i away from the 
     I_h^C = I_h + Σ X I_i^C Xᵀ                               (21)
     F_i = I_i^C S_i,   H_b = I_0^C,   H_bm = [… X F_i …]
     (H_m)_ij = S_jᵀ X F_i for j on the way from i to the base
-    L_0 = Σ X I_k v_k                                        (20, 25)
     J_b* = −(I_0^C)⁻¹ H_bm                                   (27)
     J_m* = Xᵀ S_k [k below e] + Xᵀ J_b*, at the point e      (29–31)
     f_h = I_h a_h + v_h ×̂ I_h v_h + Σ X f_i,   τ_i = S_iᵀ f_i  (17–19)
@@ -14,7 +13,7 @@ Inertias, forces and motions stand at the links' own origins, d_i away from the 
 
 from __future__ import annotations
 
-from ospace.kernels.jit.compile import inlined
+from ospace.kernels.jit.compile import Table, inlined
 from ospace.kernels.jit.load_store import (
     add_to6,
     add_to21,
@@ -34,6 +33,7 @@ from ospace.kernels.spatial import (
     add6,
     body_force,
     diagonal,
+    dot3,
     dot6,
     force_from,
     inertia_from,
@@ -41,6 +41,7 @@ from ospace.kernels.spatial import (
     motion_at,
     rotate,
     scale6,
+    sub3,
     sym6_inverse,
     sym6_mul,
     zero6,
@@ -79,15 +80,14 @@ def base_generalized_jacobian(w: Work) -> None:
 
 @inlined
 def momentum(joints: Joints, w: Work) -> None:
-    """M_0 (1), about the base; and H_b⁻¹ M_0 (26), the motion of the base while the joints rest."""
-    L_0 = zero6(load6(w.v, 0))
-    for k in range(joints.parent.size):
-        L_0 = add6(L_0, force_from(load3(w.r, k), sym6_mul(load21(w.I, k), load6(w.v, k))))
-    # what translates all bodies alike is missing in the frame that moves along with the base: v_b
-    v_b = rotate(load9(w.R, 0), (w.velocity[0, 0], w.velocity[1, 0], w.velocity[2, 0]))
-    v_b = v_b + zero6(v_b)[0:3]
-    store6(w.momentum, 0, add6(L_0, sym6_mul(load21(w.IC, 0), v_b)))
-    store6(w.base_momentum_velocity, 0, add6(v_b, sym6_mul(load21(w.base_inverse, 0), L_0)))
+    """M_0 = H_b ẋ_b + H_bm φ̇ (1, 25), about the base; and H_b⁻¹ M_0 (26), its motion while the joints rest."""
+    R, u = load9(w.R, 0), w.velocity
+    x_b = rotate(R, (u[0, 0], u[1, 0], u[2, 0])) + rotate(R, (u[3, 0], u[4, 0], u[5, 0]))
+    of_joints = zero6(x_b)
+    for k in range(1, joints.parent.size):
+        of_joints = add6(of_joints, scale6(load6(w.H_bm, k), u[k + 5, 0]))
+    store6(w.momentum, 0, add6(sym6_mul(load21(w.IC, 0), x_b), of_joints))
+    store6(w.base_momentum_velocity, 0, add6(x_b, sym6_mul(load21(w.base_inverse, 0), of_joints)))
 
 
 @inlined
@@ -113,29 +113,35 @@ def manipulator_inertia(joints: Joints, w: Work) -> None:
     """H_m (21), with the drives' inertia."""
     H = w.manipulator_inertia
     for i in range(H.shape[0]):
-        for j in range(H.shape[0]):
+        for j in range(i + 1):
             H[i, j] = full_like(0.0, w.R[0, 0])
-    for i in range(1, joints.parent.size):
-        f, j = load6(w.F, i), i
-        H[i - 1, i - 1] = joints.armature[i, 0]
-        while j > 0:
-            h = H[i - 1, j - 1] + dot6(load6(w.S, j), f)
-            H[i - 1, j - 1] = h
-            H[j - 1, i - 1] = h
-            f = force_from(load3(w.d, j), f)
-            j = joints.parent[j]
+    add_manipulator_inertia(joints, w, H)
 
 
 @inlined
-def generalized_inertia(w: Work) -> None:
+def generalized_inertia(joints: Joints, w: Work) -> None:
     """H_m* = H_m − H_bmᵀ H_b⁻¹ H_bm = H_m + H_bmᵀ J_b* (7)."""
     H = w.generalized_inertia
     for i in range(H.shape[0]):
         F = load6(w.H_bm, i + 1)
         for j in range(i + 1):
-            h = w.manipulator_inertia[i, j] + dot6(F, load6(w.J_b_star, j + 1))
-            H[i, j] = h
-            H[j, i] = h
+            H[i, j] = dot6(F, load6(w.J_b_star, j + 1))
+    add_manipulator_inertia(joints, w, H)
+
+
+@inlined
+def add_manipulator_inertia(joints: Joints, w: Work, H: Table) -> None:
+    """Add H_m to `H`, whose lower rows are filled; fill the upper ones."""
+    for i in range(1, joints.parent.size):
+        F, r, j = load6(w.F, i), load3(w.r, i), i
+        H[i - 1, i - 1] = H[i - 1, i - 1] + joints.armature[i, 0]
+        while j > 0:
+            S, f = load6(w.S, j), force_from(sub3(r, load3(w.r, j)), F)
+            along = dot3(S[3:6], f[3:6]) if joints.turning[j] else dot6(S, f)
+            H[i - 1, j - 1] = H[i - 1, j - 1] + along
+            j = joints.parent[j]
+        for j in range(i - 1):
+            H[j, i - 1] = H[i - 1, j]
 
 
 @inlined

@@ -10,7 +10,7 @@ from ospace.kernels import composite_body, points, pv_osimr, response, spd_inver
 from ospace.kernels.articulated_body import NO_INERTIA
 from ospace.kernels.jit.compile import Number, Row, Table, entry, inlined
 from ospace.kernels.jit.load_store import load7, load21, store21, unowned
-from ospace.kernels.jit.simd import absolute, full_like, maximum, minimum, sqrt, zeros
+from ospace.kernels.jit.simd import absolute, full_like, maximum, sqrt, zeros
 from ospace.kernels.kinematics import move_links, place_links, sines_cosines
 from ospace.kernels.tree import (
     CONTINUOUS,
@@ -34,6 +34,10 @@ LINKS_STAND = 512
 NORMALIZED = 1024
 """Quaternions are at unit length to the last digit, as they are the second time."""
 COMPOSITE = FLOATING_BASE | MANIPULATOR_INERTIA | JOINT_BIAS | GENERALIZED_INERTIA | GENERALIZED_BIAS
+MOTION = BIAS | JOINT_BIAS | GENERALIZED_BIAS
+"""What takes the links' twists and accelerations."""
+PLACED_BEFORE = MOBILITY | INERTIA | BIAS | JACOBIAN | LINKS_STAND
+"""With any of these, links stand by when it comes to composite bodies."""
 
 NONFINITE_INPUT, NORM_ERROR, FARTHEST, PIVOT, RANGE_PIVOT, NONFINITE_INVERSE, NONFINITE = range(7)
 """Columns of the diagnostics: zero, or not a number where the input is not finite; how far the squares of quaternions
@@ -95,16 +99,22 @@ def normalize_input(joints: Joints, w: Work) -> None:
 
 
 @inlined
-def place(robot: Robot, w: Work, wide: Wide) -> None:
-    """From `w.q` and `w.velocity` to the links, whose inertias are to become articulated ones."""
+def place(robot: Robot, w: Work, wide: Wide, I: Table) -> None:
+    """From `w.q` and `w.velocity` to the links; their inertias go to the table `I`."""
     if robot.want[0] & NORMALIZED == 0:
         normalize_input(robot.joints, w)
     sines_cosines(wide.q, wide.sine, wide.cosine)
-    place_links(robot.joints, w, w.IA)
+    place_links(robot.joints, w, I)
+    if robot.want[0] & MOTION:
+        move_links(robot.joints, w)
+
+
+@inlined
+def place_both(robot: Robot, w: Work, wide: Wide) -> None:
+    """Place links whose inertias are to become articulated ones, and composite ones where these are wanted."""
+    place(robot, w, wide, w.IA)
     if robot.want[0] & COMPOSITE:
         copy21(w.IA, w.I)
-    if robot.want[0] & (BIAS | COMPOSITE) != 0:
-        move_links(robot.joints, w)
 
 
 @inlined
@@ -139,14 +149,14 @@ def mobility(robot: Robot, w: Work, biased: bool) -> None:
     pv_osimr.begin(nodes, w)
     if biased:
         pv_osimr.initial_bias_forces(w, w.IA)
-    pv_osimr.sweep_inward(robot.joints, nodes, w, biased)
-    for i in range(1, w.relative_pivot.shape[0]):
-        w.diagnostics[0, PIVOT] = minimum(w.diagnostics[0, PIVOT], w.relative_pivot[i, 0])
+    w.diagnostics[0, PIVOT] = pv_osimr.sweep_inward(robot.joints, nodes, w, biased)
+    nonfinite = full_like(0.0, w.R[0, 0])
     if biased:
         pv_osimr.spread_bias(nodes, w)
         for i in range(rows.size):
-            w.bias_acceleration[i, 0] = -w.acceleration[rows[i] // 6, rows[i] % 6]
-            w.diagnostics[0, NONFINITE] = w.diagnostics[0, NONFINITE] + 0.0 * w.bias_acceleration[i, 0]
+            acceleration = w.acceleration[rows[i] // 6, rows[i] % 6]
+            w.bias_acceleration[i, 0] = -acceleration
+            nonfinite = nonfinite + 0.0 * acceleration
     pv_osimr.sweep_outward(nodes, w)
     if rows.size == w.all_rows.shape[0]:
         pv_osimr.collect(nodes, w, w.inertia_inverse)
@@ -156,7 +166,8 @@ def mobility(robot: Robot, w: Work, biased: bool) -> None:
             for j in range(rows.size):
                 w.inertia_inverse[i, j] = w.all_rows[rows[i], rows[j]]
     for i in range(rows.size):
-        w.diagnostics[0, NONFINITE] = w.diagnostics[0, NONFINITE] + 0.0 * w.inertia_inverse[i, i]
+        nonfinite = nonfinite + 0.0 * w.inertia_inverse[i, i]
+    w.diagnostics[0, NONFINITE] = nonfinite
 
 
 @inlined
@@ -164,19 +175,23 @@ def inertia(w: Work, wide: Wide) -> None:
     """Γ_e, and the smallest pivot of its inverse."""
     rows = spd_inverse.Rows(w.scratch, wide.scratch, wide.unit, w.scale)
     w.diagnostics[0, RANGE_PIVOT] = spd_inverse.inverse(w.inertia_inverse, rows, w.inertia)
+    nonfinite = full_like(0.0, w.R[0, 0])
     for i in range(w.inertia.shape[0]):
-        w.diagnostics[0, NONFINITE_INVERSE] = w.diagnostics[0, NONFINITE_INVERSE] + 0.0 * w.inertia[i, i]
+        nonfinite = nonfinite + 0.0 * w.inertia[i, i]
+    w.diagnostics[0, NONFINITE_INVERSE] = nonfinite
 
 
 @inlined
 def bias_force(w: Work) -> None:
     """μ_e = Γ_e μ (10)."""
+    nonfinite = w.diagnostics[0, NONFINITE_INVERSE]
     for i in range(w.bias_force.shape[0]):
         force = full_like(0.0, w.R[0, 0])
         for j in range(w.bias_force.shape[0]):
             force = force + w.inertia[i, j] * w.bias_acceleration[j, 0]
         w.bias_force[i, 0] = force
-        w.diagnostics[0, NONFINITE_INVERSE] = w.diagnostics[0, NONFINITE_INVERSE] + 0.0 * force
+        nonfinite = nonfinite + 0.0 * force
+    w.diagnostics[0, NONFINITE_INVERSE] = nonfinite
 
 
 @inlined
@@ -189,10 +204,10 @@ def composite_bodies(robot: Robot, w: Work) -> None:
     composite_body.base_generalized_jacobian(w)
     composite_body.momentum(joints, w)
     composite_body.generalized_jacobian(robot, w)
-    if want & (MANIPULATOR_INERTIA | GENERALIZED_INERTIA):
+    if want & MANIPULATOR_INERTIA:
         composite_body.manipulator_inertia(joints, w)
     if want & GENERALIZED_INERTIA:
-        composite_body.generalized_inertia(w)
+        composite_body.generalized_inertia(joints, w)
     if want & (JOINT_BIAS | GENERALIZED_BIAS):
         composite_body.bias(joints, w)
         if want & GENERALIZED_BIAS:
@@ -211,8 +226,10 @@ def note_composite(w: Work, want: int) -> None:
             nonfinite = nonfinite + 0.0 * w.J_b_star[k + 1, i]
         for i in range(w.J_m_star.shape[1]):
             nonfinite = nonfinite + 0.0 * w.J_m_star[k, i]
-        if want & (MANIPULATOR_INERTIA | GENERALIZED_INERTIA):
+        if want & MANIPULATOR_INERTIA:
             nonfinite = nonfinite + 0.0 * w.manipulator_inertia[k, k]
+        if want & GENERALIZED_INERTIA:
+            nonfinite = nonfinite + 0.0 * w.generalized_inertia[k, k]
         if want & (JOINT_BIAS | GENERALIZED_BIAS):
             nonfinite = nonfinite + 0.0 * w.joint_force[k, 0]
             if want & GENERALIZED_BIAS:
@@ -260,21 +277,8 @@ def evaluate(q: Floats, v: Floats, memory: Floats) -> int:
     else:
         if not load_input(unowned(q), unowned(v), w):
             return BAD_INPUT
-        place(robot, w, wide)
+        place_both(robot, w, wide)
     operational_space(robot, w, wide)
-    return status(load7(w.diagnostics, 0))
-
-
-@entry
-def place_state(q: Floats, v: Floats, memory: Floats) -> int:
-    """Place links alone, for `compose`."""
-    here = unowned(memory)
-    robot, w = open_robot(here), open_work(here, zeros(1))
-    if not load_input(unowned(q), unowned(v), w):
-        return BAD_INPUT
-    place(robot, w, open_wide(here))
-    w.diagnostics[0, PIVOT] = w.diagnostics[0, RANGE_PIVOT] = 1.0
-    w.diagnostics[0, NONFINITE] = w.diagnostics[0, NONFINITE_INVERSE] = 0.0
     return status(load7(w.diagnostics, 0))
 
 
@@ -295,14 +299,25 @@ def normalize(q: Floats, v: Floats, memory: Floats) -> int:
 
 
 @entry
-def compose(memory: Floats) -> int:
-    """Composite bodies of links that stand, and the points on them."""
+def compose(q: Floats, v: Floats, memory: Floats) -> int:
+    """Compute composite bodies, and the points on them; return OK, or what is wrong.
+
+    Links are placed here where nothing else is wanted; else `evaluate` has done so, and q and v do not count.
+    """
     here = unowned(memory)
     robot, w = open_robot(here), open_work(here, zeros(1))
-    w.diagnostics[0, NONFINITE] = 0.0
+    if robot.want[0] & PLACED_BEFORE:
+        for k in range(FARTHEST + 1):
+            w.diagnostics[0, k] = 0.0
+    else:
+        if not load_input(unowned(q), unowned(v), w):
+            return BAD_INPUT
+        place(robot, w, open_wide(here), w.I)
+    w.diagnostics[0, PIVOT] = w.diagnostics[0, RANGE_PIVOT] = 1.0
+    w.diagnostics[0, NONFINITE] = w.diagnostics[0, NONFINITE_INVERSE] = 0.0
     points.place_points(robot.nodes, w)
     composite_bodies(robot, w)
-    return OK if w.diagnostics[0, NONFINITE] == 0.0 else BAD_INPUT
+    return status(load7(w.diagnostics, 0))
 
 
 @entry

@@ -129,7 +129,7 @@ def place_links(joints: Joints, w: Work, I: Table) -> None:
         if kind <= CONTINUOUS:  # by itself, as it is what most joints are
             s, c = (w.sine[k, 0], w.cosine[k, 0]) if kind == REVOLUTE else (q[k + 1, 0], q[k, 0])
             d = rotate(R, load3(joints.b, i))
-            R = turned(mat3_mul(R, load9(joints.A, i)), s, c)
+            R = mat3_mul(R, turned(load9(joints.A, i), s, c))  # so it waits for the parent's R once
             store6(w.S, i, none + R[6:9])
             store_link(joints, w, I, i, R, d, add3(load3(w.r, h), d))
             continue
@@ -178,8 +178,8 @@ def store_link(joints: Joints, w: Work, I: Table, i: int, R: Row, d: Row, r: Row
     store9(w.R, i, R)
     store3(w.d, i, d)
     store3(w.r, i, r)
-    about_centre = rotate_sym3(R, load6(joints.inertia, i))
-    store21(I, i, rigid_inertia(rotate(R, load3(joints.com, i)), joints.mass[i, 0], about_centre))
+    about_origin = rotate_sym3(R, load6(joints.inertia, i))
+    store21(I, i, rigid_inertia(joints.mass[i, 0], rotate(R, load3(joints.first_moments, i)), about_origin))
 
 
 @inlined

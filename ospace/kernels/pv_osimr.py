@@ -21,8 +21,14 @@ arXiv 2310.03676, for a floating base: n rank-one updates, and a 6×6 product fo
 
 from __future__ import annotations
 
-from ospace.kernels.articulated_body import force_across, inertia_across, relative_pivot
-from ospace.kernels.jit.compile import Row, Table, inlined
+from ospace.kernels.articulated_body import (
+    force_across,
+    inertia_across,
+    pivot_terms,
+    relative_pivot,
+    trace_angular,
+)
+from ospace.kernels.jit.compile import Number, Row, Table, inlined
 from ospace.kernels.jit.load_store import (
     add_to6,
     add_to21,
@@ -35,7 +41,7 @@ from ospace.kernels.jit.load_store import (
     store21,
     store36,
 )
-from ospace.kernels.jit.simd import full_like
+from ospace.kernels.jit.simd import full_like, minimum
 from ospace.kernels.points import acceleration_at
 from ospace.kernels.spatial import (
     add6,
@@ -53,6 +59,7 @@ from ospace.kernels.spatial import (
     motions_at,
     scale3,
     scale6,
+    sym6_add,
     sym6_inverse,
     sym6_mul,
     sym6_mul_angular,
@@ -60,6 +67,7 @@ from ospace.kernels.spatial import (
     sym6_to_mat,
     unit36,
     zero6,
+    zero21,
 )
 from ospace.kernels.tree import Joints, Nodes
 from ospace.kernels.workspace import Work
@@ -76,9 +84,10 @@ def begin(nodes: Nodes, w: Work) -> None:
     """K is the shift to the point, or 1 at a junction; L and y are zero."""
     one = unit36((w.R[0, 0],))
     none = zero6(one)
+    none21 = zero21(one[0])
     for n in range(1, nodes.parent.size):
         store36(w.K, n, motions_at(load3(w.place, n), one) if nodes.point[n] >= 0 else one)
-        store21(w.L, n, none + none + none + none[0:3])
+        store21(w.L, n, none21)
         store6(w.y, n, none)
 
 
@@ -90,24 +99,35 @@ def initial_bias_forces(w: Work, I: Table) -> None:
 
 
 @inlined
-def sweep_inward(joints: Joints, nodes: Nodes, w: Work, biased: bool) -> None:
+def sweep_inward(joints: Joints, nodes: Nodes, w: Work, biased: bool) -> Number:
     """Eliminate all links, the outermost first: `IA` holds their own inertia before, the articulated one after.
 
-    `p` and `y` carry the bias where it is wanted.
+    `p` and `y` carry the bias where it is wanted. Return the smallest relative pivot.
     """
+    smallest, nothing = full_like(1.0, w.R[0, 0]), zero21(w.R[0, 0])
+    felt = nothing  # what link i feels of link i + 1, if that hangs from it: a way through memory would take longer
     for i in range(joints.parent.size - 1, 0, -1):
         h, n = joints.parent[i], nodes.of_link[i]
-        S, I, d = load6(w.S, i), load21(w.IA, i), load3(w.d, i)
+        S, I, d = load6(w.S, i), sym6_add(load21(w.IA, i), felt), load3(w.d, i)
+        store21(w.IA, i, I)
         if joints.turning[i]:
             U = sym6_mul_angular(I, S[3:6])
-            beta = dot3(S[3:6], U[3:6]) + joints.armature[i, 0]
+            beta = dot3(S[3:6], U[3:6])
+            terms = trace_angular(I)
         else:
             U = sym6_mul(I, S)
-            beta = dot6(S, U) + joints.armature[i, 0]
+            beta = dot6(S, U)
+            terms = pivot_terms(I, S)
+        beta = beta + joints.armature[i, 0]
         beta_inv = 1.0 / beta
-        w.relative_pivot[i, 0] = relative_pivot(I, S, beta)
+        pivot = relative_pivot(beta, terms)
+        w.relative_pivot[i, 0] = pivot
+        smallest = minimum(smallest, pivot)
         # at the parent's origin already: so it is done by when β is known
-        add_to21(w.IA, h, inertia_across(inertia_from(d, I), force_from(d, U), beta_inv))
+        felt = inertia_across(inertia_from(d, I), force_from(d, U), beta_inv)
+        if h == 0 or h != i - 1:
+            add_to21(w.IA, h, felt)
+            felt = nothing
         u = full_like(0.0, beta)
         if biased:
             p = load6(w.p, i)
@@ -121,6 +141,7 @@ def sweep_inward(joints: Joints, nodes: Nodes, w: Work, biased: bool) -> None:
             store36(w.K, n, mat6_add_outer(K, g, scale6(force_from(r, U), -1.0)))
             if biased:
                 add_to6(w.y, n, scale6(g, -u))
+    return smallest
 
 
 @inlined

@@ -131,6 +131,13 @@ def zero6(a: Row) -> Row:
 
 
 @inlined
+def zero21(number: Number) -> Row:
+    """Zeros for a symmetric 6×6, of the kind of `number`."""
+    none = zero6((number,))
+    return none + none + none + none[0:3]
+
+
+@inlined
 def linear(a: Row) -> Row:
     return a[0:3]
 
@@ -180,16 +187,12 @@ def classical(a: Row, v: Row) -> Row:
 
 
 @inlined
-def rigid_inertia(c: Row, m: Number, I: Row) -> Row:
-    """Inertia about the origin of a mass m at c with rotational inertia I about c: [m −m c̃; m c̃ I − m c̃ c̃]."""
-    h = scale3(c, m)
+def rigid_inertia(m: Number, h: Row, I: Row) -> Row:
+    """Inertia of a mass m with first moments h = m c and rotational inertia I, about the origin: [m −h̃; h̃ I]."""
     o = full_like(0.0, h[0])
     m = m + o
     return (
-        (m, o, m, o, o, m)
-        + (o, -h[2], h[1], I[0] + h[1] * c[1] + h[2] * c[2])
-        + (h[2], o, -h[0], I[1] - h[1] * c[0], I[2] + h[0] * c[0] + h[2] * c[2])
-        + (-h[1], h[0], o, I[3] - h[2] * c[0], I[4] - h[2] * c[1], I[5] + h[0] * c[0] + h[1] * c[1])
+        (m, o, m, o, o, m) + (o, -h[2], h[1], I[0]) + (h[2], o, -h[0], I[1], I[2]) + (-h[1], h[0], o, I[3], I[4], I[5])
     )
 
 
@@ -252,6 +255,14 @@ def sym6_mul_angular(A: Row, s: Row) -> Row:
         + (A[8] * s[0] + A[12] * s[1] + A[17] * s[2], A[9] * s[0] + A[13] * s[1] + A[18] * s[2])
         + (A[13] * s[0] + A[14] * s[1] + A[19] * s[2], A[18] * s[0] + A[19] * s[1] + A[20] * s[2])
     )
+
+
+@inlined
+def sym6_add(A: Row, B: Row) -> Row:
+    return (
+        add6(A[0:6], B[0:6]) + add6(A[6:12], B[6:12]) + add6(A[12:18], B[12:18])
+        + (A[18] + B[18], A[19] + B[19], A[20] + B[20])
+    )  # fmt: skip
 
 
 @inlined

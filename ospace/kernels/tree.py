@@ -42,10 +42,10 @@ class Joints(NamedTuple):
     """(n + 1, 9) the link's axes in its parent's where q is neutral, by columns."""
     b: Floats
     """(n + 1, 3) the link's origin in its parent's axes, likewise; m."""
-    com: Floats
-    """(n + 1, 3) centre of mass in the link's axes; m."""
+    first_moments: Floats
+    """(n + 1, 3) mass times centre of mass, in the link's axes; kg m."""
     inertia: Floats
-    """(n + 1, 6) rotational inertia about it, likewise, lower rows; kg m²."""
+    """(n + 1, 6) rotational inertia about the link's origin, likewise, lower rows; kg m²."""
     mass: Floats
     """(n + 1, 1) kg."""
     armature: Floats

@@ -165,7 +165,7 @@ class Wide(NamedTuple):
 
 
 (_PARENT, _KIND, _FIRST, _BODY, _TURNING, _UP, _LINK, _POINT, _LAST_DESCENDANT, _OF_LINK, _ROWS, _WANT) = range(12)
-(_A, _B, _COM, _INERTIA, _MASS, _ARMATURE, _PITCH, _AXES, _OFFSET, UNIT) = range(12, 22)
+(_A, _B, _FIRST_MOMENTS, _INERTIA, _MASS, _ARMATURE, _PITCH, _AXES, _OFFSET, UNIT) = range(12, 22)
 _FIRST_CONSTANT, _WORK = _A, UNIT + 1
 TABLES = _WORK + len(Work._fields)
 _SHAPES = {name: hint.__metadata__[0].split() for name, hint in get_type_hints(Work, include_extras=True).items()}
@@ -288,7 +288,7 @@ def open_robot(memory: Floats) -> Robot:
         open_list(memory, at, _TURNING),
         open_constants(memory, at, _A, 9),
         open_constants(memory, at, _B, 3),
-        open_constants(memory, at, _COM, 3),
+        open_constants(memory, at, _FIRST_MOMENTS, 3),
         open_constants(memory, at, _INERTIA, 6),
         open_constants(memory, at, _MASS, 1),
         open_constants(memory, at, _ARMATURE, 1),

@@ -88,7 +88,7 @@ class Layout:
         self.link_axes: list[Floats] = [np.eye(3), np.eye(3)]
         parent, kind, first, body, turning = np.zeros((5, rows), dtype=np.int64)
         A, b, axes = np.zeros((rows, 9)), np.zeros((rows, 3)), np.zeros((rows, 9))
-        com, inertia, mass, pitch = (np.zeros((rows, k)) for k in (3, 6, 1, 1))
+        moments, inertia, mass, pitch = (np.zeros((rows, k)) for k in (3, 6, 1, 1))
         A[0] = axes[0] = np.eye(3).ravel()
         body[0] = 1
         for j in range(2, model.njoints):
@@ -108,10 +108,11 @@ class Layout:
             self.link_axes.append(turn)
         for j in range(1, model.njoints):
             i, turn = int(self.link_of_joint[j]), self.link_axes[j]
-            mass[i], com[i] = model.inertias[j].mass, turn.T @ model.inertias[j].lever
-            inertia[i] = (turn.T @ model.inertias[j].inertia @ turn)[np.tril_indices(3)]
+            body_inertia = model.inertias[j]
+            mass[i], moments[i] = body_inertia.mass, turn.T @ (body_inertia.mass * body_inertia.lever)
+            inertia[i] = (turn.T @ body_inertia.matrix()[3:, 3:] @ turn)[np.tril_indices(3)]
         armature = np.r_[0.0, model.armature[BASE_NV:]][:, None]
-        self.links = Joints(parent, kind, first, body, turning, A, b, com, inertia, mass, armature, pitch, axes)
+        self.links = Joints(parent, kind, first, body, turning, A, b, moments, inertia, mass, armature, pitch, axes)
         self.own_kinematics = UNKNOWN not in kind
 
     @property

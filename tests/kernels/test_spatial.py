@@ -103,5 +103,7 @@ def test_rigid_inertia_has_the_kinetic_energy_of_the_body(rng):
     c, m, I, v = tuple(rng.normal(size=3)), 2.5, positive(rng, 3), tuple(six(rng))
     moved = np.asarray(sp.motion_at(c, v))
     energy = m * moved[:3] @ moved[:3] + moved[3:] @ I @ moved[3:]
-    assert sp.dot6(v, sp.sym6_mul(sp.rigid_inertia(c, m, lower(I)), v)) == pytest.approx(energy)
-    assert np.linalg.eigvalsh(full(sp.rigid_inertia(c, m, lower(I))))[0] > 0
+    h, c_x = sp.scale3(c, m), np.cross(c, np.eye(3), axisb=0).T
+    body = sp.rigid_inertia(m, h, lower(I - m * c_x @ c_x))
+    assert sp.dot6(v, sp.sym6_mul(body, v)) == pytest.approx(energy)
+    assert np.linalg.eigvalsh(full(body))[0] > 0
