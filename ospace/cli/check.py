@@ -100,7 +100,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     """Check; return the exit status and the text to print."""
     for option in ("json", "html"):
         if getattr(given, option) and (given.fix is not None or given.explain is not None):
-            given.refuse_usage(f"--{option} describes a check: use it without --fix and --explain")
+            given.refuse_usage(f"--{option} describes a check: give it without --fix and --explain")
     if given.explain is not None:
         from ospace.urdf.lint import explain
 

@@ -92,7 +92,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     if given.html or given.screenshot:
         for option in ("host", "port"):
             if getattr(given, option) is not None:
-                given.refuse_usage(f"--{option} selects where to serve: use it without --html and --screenshot")
+                given.refuse_usage(f"--{option} selects where to serve: give it without --html and --screenshot")
     if given.sweep and given.screenshot and not given.html:
         given.refuse_usage("--screenshot is a still picture: give --html too, for the motion of --sweep")
     require_scene("a scene")

@@ -118,8 +118,8 @@ def test_view_refuses_wrong_arguments(view, tmp_path, arguments, words):
     ("options", "words"),
     [
         (["--sweep", "--screenshot", "out.png"], "--screenshot is a still picture: give --html too"),
-        (["--html", "out.html", "--host", "127.0.0.1"], "--host selects where to serve: use it without --html"),
-        (["--screenshot", "out.png", "--port", "7000"], "--port selects where to serve: use it without --html"),
+        (["--html", "out.html", "--host", "127.0.0.1"], "--host selects where to serve: give it without --html"),
+        (["--screenshot", "out.png", "--port", "7000"], "--port selects where to serve: give it without --html"),
         (
             ["--html", "out.html", "--pose", "joint_1=1, joint_1=2"],
             "--pose 'joint_1=2': joint 'joint_1' is given twice",
