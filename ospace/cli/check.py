@@ -13,10 +13,10 @@ from ospace.cli.console import buffered_console, buffered_text, plain
 
 if TYPE_CHECKING:
     from rich.console import Console
-    from rich.table import Table
 
     from ospace.urdf.description import Description
     from ospace.urdf.source import Limits
+    from ospace.validation.agreement import Agreement
     from ospace.validation.report import Report
 
 _PIPE_WIDTH = 200
@@ -62,6 +62,9 @@ def add_to(verbs: Any) -> None:
     )
     verb.add_argument("--samples", metavar="N", type=_count, default=20, help="random states (default: %(default)s)")
     verb.add_argument("--seed", metavar="S", type=_seed, default=0, help="seed of the states (default: %(default)s)")
+    verb.add_argument(
+        "--batch", action="store_true", help="compile the batch and compare all its states (default: interpret three)"
+    )
     verb.add_argument("--json", action="store_true", help="print one JSON document instead of tables")
     verb.add_argument(
         "--html", metavar="FILE", type=output.file, help="write a report with the robot to look at: one file"
@@ -153,7 +156,9 @@ def _report(given: argparse.Namespace, file: Path, folders: Sequence[Path]) -> t
     points = [robot.point(name) for name in given.point or robot.leaf_links[:_MOST_POINTS]]
     with progress.bar(given, "comparing states", given.samples) as advance:
         compile_kernels()
-        result = report.check(robot, points, samples=given.samples, seed=given.seed, progress=advance)
+        result = report.check(
+            robot, points, samples=given.samples, seed=given.seed, batch=given.batch, progress=advance
+        )
     return result, description
 
 
@@ -208,25 +213,26 @@ def _show(console: Console, result: Report, urdf: str) -> None:
                 console.print(f"           {plain(finding.remedy)}")
     if result.agreement:
         console.print()
-        console.print(_agreement(result, console.is_terminal))
+        _show_agreement(console, result)
         console.print(f"\n{words.agreement(result)}")
     console.print(f"[{_COLOURS[result.verdict]}]{result.verdict}[/]: {plain(urdf)}: {words.summary(result)}")
 
 
-def _agreement(result: Report, terminal: bool) -> Table:
-    from rich import box
-    from rich.table import Table
+def _show_agreement(console: Console, result: Report) -> None:
+    """Show each quantity, with what it is checked against, and below it a row for each of its ways in."""
+    from itertools import groupby
 
     from ospace.validation import words
 
-    table = Table(box=box.SIMPLE_HEAD if terminal else None, pad_edge=False, header_style="bold")
-    for heading in ("quantity", "equation", "computed by", "checked against"):
-        table.add_column(heading, overflow="fold")
-    for heading in ("worst error", "bound"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    table.add_column("verdict", no_wrap=True)
-    for row in result.agreement:
-        texts = (row.quantity, row.equation, row.computed_by, row.checked_against)
-        verdict = f"[{_COLOURS[row.verdict]}]{words.verdict(row)}[/]"
-        table.add_row(*map(plain, texts), words.error(row.error), words.error(row.bound), verdict)
-    return table
+    console.print("quantity (equations): checked against", style="bold")
+    console.print(f"  {'computed by':29}  {'error':>7}  {'bound':>7}  verdict", style="bold")
+    for heading, rows in groupby(result.agreement, _quantity):
+        console.print(plain(heading))
+        for row in rows:
+            numbers = f"{words.error(row.error):>7}  {words.error(row.bound):>7}"
+            console.print(f"  {plain(row.computed_by):29}  {numbers}  [{_COLOURS[row.verdict]}]{words.verdict(row)}[/]")
+
+
+def _quantity(row: Agreement) -> str:
+    """Return what the rows of a quantity have in common."""
+    return f"{row.quantity} ({row.equation}): {row.checked_against}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -130,9 +130,30 @@ def operational_space_batch(
     if len(V) != len(Q):
         raise OspaceError(f"Q has {len(Q)} states and V has {len(V)}: give one velocity for each configuration")
     results = _arrays(robot, len(rows_of(given)), len(Q), quantities, out or {})
-    work = _Work(robot, given, Q, V, results)
+    lanes = simd.widest()
+    work = _Work(robot, given, Q, V, results, lanes, kernel.BY_WIDTH[lanes])
     _over_threads(work, len(Q), _threads(threads))
     return OperationalSpaceBatch(**results, bad=np.flatnonzero(work.status != evaluation.OK))
+
+
+def interpreted_batch(
+    robot: SpaceRobot, points: Sequence[OperationalPoint], Q: Floats, V: Floats
+) -> OperationalSpaceBatch:
+    """Compute all quantities of a few states by the kernels of the batch, two states at a time and without a compiler.
+
+    To check the batch takes a fraction of a second so, and several to compile it. The arguments are those of
+    `operational_space_batch`.
+    """
+    results = _arrays(robot, len(rows_of(points)), len(Q), QUANTITIES, {})
+    work = _Work(robot, tuple(points), Q, V, results, 2, _evaluate_2_interpreted)
+    _over_threads(work, len(Q), 1)
+    return OperationalSpaceBatch(**results, bad=np.flatnonzero(work.status != evaluation.OK))
+
+
+@np.errstate(all="ignore")  # as compiled: what is not finite is in the status
+def _evaluate_2_interpreted(Q: Floats, V: Floats, memory: Floats, out: kernel.Results) -> None:
+    """Run the text of the kernel that `evaluate_2` compiles."""
+    kernel.evaluate_lanes(Q, V, memory, simd.zeros(2), 2, out)
 
 
 def _states(given: npt.ArrayLike, columns: int, name: str, robot: str) -> Floats:
@@ -225,11 +246,13 @@ class _Work:
         Q: Floats,
         V: Floats,
         results: Mapping[str, Floats],
+        lanes: int,
+        evaluate: Callable[..., None],
     ) -> None:
         self.robot, self.points, self.Q, self.V, self.results = robot, points, Q, V, results
         self.rows = rows_of(points)
         self.status = np.full(len(Q), evaluation.BAD_INPUT, dtype=np.int64)
-        self.lanes = simd.widest()
+        self.lanes, self.evaluate = lanes, evaluate
         self.layout = layout_of(robot, points)
         for name in results:
             self.layout.want[0] |= _BITS[name]
@@ -255,7 +278,7 @@ class _Worker:
             out = kernel.Results(**parts, status=work.status[chunk])
             count = chunk.stop - chunk.start
             self.Q[:count], self.V[:count] = work.Q[chunk], work.V[chunk]
-            kernel.BY_WIDTH[work.lanes](self.Q[:count], self.V[:count], self.memory, out)
+            work.evaluate(self.Q[:count], self.V[:count], self.memory, out)
         for s in chunk.start + np.flatnonzero(work.status[chunk] != evaluation.OK):
             work.status[s] = self._alone(int(s), chunk)
         if "smallest_singular_value" in work.results:

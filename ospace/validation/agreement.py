@@ -18,8 +18,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Literal
 
+import numpy as np
+
+from ospace.dynamics.batch import QUANTITIES, interpreted_batch, operational_space_batch
 from ospace.validation.quantities import TABLE
 from ospace.validation.sample import Sample
 
@@ -59,16 +63,36 @@ class Agreement:
 
 
 class AgreementTable:
-    """Collects the rows of the table over states: call `add` for each, then `rows`."""
+    """Collects the rows of the table over states: call `add` for each, `add_batch` for some, then `rows`."""
 
     def __init__(self) -> None:
         self._seen: list[list[tuple[float, float]]] = [[] for _ in TABLE]
 
     def add(self, sample: Sample) -> None:
-        """Compare every quantity in one more state."""
+        """Compare every quantity in one more state, but for those of the batch."""
+        self._add(sample, in_batch=False)
+
+    def add_batch(self, samples: Sequence[Sample], *, compiled: bool) -> None:
+        """Compare the quantities of the batch in several states of a robot at once.
+
+        Compiled, or else interpreted and of the first points alone.
+        """
+        of = samples if compiled else [sample.with_few_points() for sample in samples]
+        robot, points = of[0].state.robot, of[0].points
+        Q, V = (np.array([getattr(sample.state, name) for sample in of]) for name in "qv")
+        if compiled:
+            batch = operational_space_batch(robot, points, Q, V, QUANTITIES)
+        else:
+            batch = interpreted_batch(robot, points, Q, V)
+        for k, sample in enumerate(of):
+            sample.batch = SimpleNamespace(**{name: getattr(batch, name)[k] for name in QUANTITIES})
+            self._add(sample, in_batch=True)
+
+    def _add(self, sample: Sample, *, in_batch: bool) -> None:
         for seen, quantity in zip(self._seen, TABLE, strict=True):
-            compared = quantity.compare(sample)
-            seen.append((compared.error, sample.unit * compared.condition))
+            if quantity.in_batch == in_batch:
+                compared = quantity.compare(sample)
+                seen.append((compared.error, sample.unit * compared.condition))
 
     def rows(self) -> list[Agreement]:
         """Return the table."""

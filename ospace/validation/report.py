@@ -24,9 +24,10 @@ from ospace.validation.sampling import random_state
 
 Verdict = Literal["sound", "undecided", "unsound"]
 
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 UNITS = "SI: m, kg, s, rad, N, N m; six-vectors linear part first"
 _PLACEMENT_BOUND = 1e-12
+_INTERPRETED, _COMPILED = 3, 64  # states of the batch: an odd number, so that the last lane is filled up
 
 
 @dataclass(frozen=True)
@@ -138,11 +139,14 @@ def check(
     *,
     samples: int = 20,
     seed: int = 0,
+    batch: bool = False,
     progress: Callable[[int], None] = lambda done: None,
 ) -> Report:
     """Compare every quantity of the paper with Pinocchio's over random states of `robot`.
 
-    Every second state is 7e6 m from the origin. `progress` is called with the number of states done.
+    Every second state is 7e6 m from the origin. `progress` is called with the number of states done. With `batch`, the
+    kernels of `operational_space_batch` are compiled, which takes seconds, and compared in all states; else they run
+    interpreted, of three states and two points.
     """
     points = points_of(robot, points)
     rng = np.random.default_rng(seed)
@@ -151,6 +155,7 @@ def check(
     placed: list[tuple[float, float]] = []
     rows: list[Agreement] = []
     done = 0
+    together: list[Sample] = []
     try:
         for done in range(1, samples + 1):
             sample = Sample(random_state(robot, rng, far=done % 2 == 0), points, rng)
@@ -158,6 +163,11 @@ def check(
             extremes.add(sample)
             if reader is not None:
                 placed.append((reader.compare(rng), _PLACEMENT_BOUND))
+            if batch or done <= _INTERPRETED:
+                together.append(sample)
+            if together and (done == samples or len(together) == (_COMPILED if batch else _INTERPRETED)):
+                table.add_batch(together, compiled=batch)
+                together.clear()
             progress(done)
         rows = table.rows()
         if reader is not None:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
+from typing import Any, Protocol
 
 import numpy as np
 
-from ospace.dynamics import workspace
+from ospace.dynamics import evaluator, workspace
 from ospace.dynamics.dense import Dense
 from ospace.dynamics.free_floating import FreeFloating, free_floating
 from ospace.dynamics.generalized_jacobian import GeneralizedJacobian, generalized_jacobian
@@ -17,6 +18,7 @@ from ospace.dynamics.joint_space import (
     JointSpaceDynamics,
     generalized_dynamics,
     joint_space_dynamics,
+    momentum,
 )
 from ospace.dynamics.operational_space import OperationalSpace, operational_space
 from ospace.exceptions import OspaceError
@@ -27,6 +29,14 @@ from ospace.model.state import State
 from ospace.validation.perturbation import Factor, InversePerturbation, rank_is_decided
 
 FACTOR = 16.0
+_FEW_POINTS = 2  # of which the batch is run interpreted, where time grows with the cube of their number
+
+
+class OfPoints(Protocol):
+    """Γ_e⁻¹ as one of the ways in computed it."""
+
+    @property
+    def inertia_inverse(self) -> Any: ...
 
 
 class Sample:
@@ -39,7 +49,12 @@ class Sample:
         if not (np.diag(self.dense.H) > 0.0).all() or not (np.diag(self.dense.Gamma_e_inv) > 0.0).all():
             raise OspaceError("an inertia is not positive by Pinocchio: masses or lengths are too large or too small")
         self.load = rng.normal(size=state.robot.nv) * self.velocity_scale
+        self._Gamma: dict[int, InversePerturbation] = {}  # by the results that it is of, which the sample holds
         self.F_e = rng.normal(size=len(self.dense.J_e)) * self.point_scale
+
+    @cached_property
+    def momentum(self) -> Floats:
+        return momentum(self.state)
 
     @cached_property
     def joint_space(self) -> JointSpaceDynamics:
@@ -58,6 +73,19 @@ class Sample:
         return free_floating(self.state, self.points)
 
     @cached_property
+    def evaluator(self) -> evaluator.OperationalSpaceEvaluator:
+        """Everything that it offers, of links that the kernels place themselves."""
+        run = evaluator.OperationalSpaceEvaluator(self.state.robot, self.points, evaluator.QUANTITIES)
+        return run.update(self.state.q, self.state.v)
+
+    batch: Any
+    """Everything that the batch offers, of this state, by `AgreementTable.add_batch`."""
+
+    @cached_property
+    def forward(self) -> OperationalSpace:
+        return operational_space(self.state, self.points, "forward")
+
+    @cached_property
     def inverted(self) -> OperationalSpace:
         return operational_space(self.state, self.points, "inverted")
 
@@ -65,6 +93,12 @@ class Sample:
     def each_point(self) -> list[Sample]:
         """The same state with each point alone."""
         return [Sample(self.state, [point], np.random.default_rng(0)) for point in self.points]
+
+    def with_few_points(self) -> Sample:
+        """Return the same state with the first points alone."""
+        if len(self.points) <= _FEW_POINTS:
+            return self
+        return Sample(self.state, self.points[:_FEW_POINTS], np.random.default_rng(0))
 
     # -- scales and conditions -------------------------------------------------------------------------------
 
@@ -149,12 +183,14 @@ class Sample:
 
     # -- products with an inverse ----------------------------------------------------------------------------
 
-    @cached_property
-    def Gamma(self) -> InversePerturbation:
-        """How far Γ_e may be off."""
-        condition = self.reach + self.point_lever**0.5
-        value, dense = self.operational.inertia_inverse, self.dense
-        return self._inverse(value, dense.Gamma_e_inv, dense.rank, dense.J_e, np.diag(dense.H), condition)
+    def Gamma(self, by: OfPoints) -> InversePerturbation:
+        """Return how far Γ_e may be off where it is the inverse of what one of the ways in computed."""
+        if id(by) not in self._Gamma:
+            condition, dense = self.reach + self.point_lever**0.5, self.dense
+            self._Gamma[id(by)] = self._inverse(
+                by.inertia_inverse, dense.Gamma_e_inv, dense.rank, dense.J_e, np.diag(dense.H), condition
+            )
+        return self._Gamma[id(by)]
 
     @cached_property
     def Lambda(self) -> InversePerturbation:

@@ -40,24 +40,24 @@ def error(value: float) -> str:
 
 def verdict(row: Agreement) -> str:
     """Return the verdict on one quantity, and how many states can tell where not all can."""
-    return row.verdict + (f" ({row.telling} of {row.states} states can tell)" if row.telling < row.states else "")
+    return row.verdict + (f" ({row.telling} of {row.states} can tell)" if row.telling < row.states else "")
 
 
 def agreement(report: Report) -> str:
-    """Return how many quantities agree, over which states."""
+    """Return how many rows agree, over which states."""
     agreeing = sum(row.verdict == "agrees" for row in report.agreement)
     return (
-        f"{agreeing} of {len(report.agreement)} quantities agree over {report.samples} states "
-        f"(seed {report.seed}, every second state 7e6 m from the origin)"
+        f"{agreeing} of {len(report.agreement)} rows agree over {report.samples} states "
+        f"(seed {report.seed}, every second 7e6 m away)"
     )
 
 
 def summary(report: Report) -> str:
-    """Return how many errors and warnings there are, and how many quantities are undecided if any is."""
+    """Return how many errors and warnings there are, and how many rows are undecided if any is."""
     warnings = sum(finding.severity == "warning" for finding in report.findings)
     texts = [number(report.errors, "error"), number(warnings, "warning")]
     if report.undecided:
-        texts.append(f"{report.undecided} of {len(report.agreement)} quantities undecided")
+        texts.append(f"{report.undecided} of {len(report.agreement)} rows undecided")
     return ", ".join(texts)
 
 

@@ -23,7 +23,8 @@ import yourdfpy
 
 import ospace
 from ospace.cli.main import main
-from ospace.validation import quantities, sample
+from ospace.dynamics import batch, evaluator
+from ospace.validation import agreement, quantities, sample
 
 ROOT = Path(ospace.__file__).parents[1]
 INERTIAL = (
@@ -123,7 +124,7 @@ def test_every_model_is_sound(run, name, by):
     given = name if by == "name" else ospace.models.path(name)
     status, out, err = run("check", given, "--samples", 4)
     assert (status, err) == (0, "")
-    assert re.search(r"^(\d+) of \1 quantities agree over 4 states", out, re.MULTILINE)
+    assert re.search(r"^(\d+) of \1 rows agree over 4 states", out, re.MULTILINE)
     assert out.splitlines()[-1] == f"sound: {given}: 0 errors, 0 warnings"
     assert ESCAPE not in out
 
@@ -204,17 +205,35 @@ def test_an_undecided_robot_is_neither_sound_nor_unsound(run, document, schema, 
     status, out, _ = run("check", *given, "--seed", seed, "--html", page)
     undecided, warnings = rows.count("undecided"), "1 warning"  # its inertia is the unit matrix
     assert 0 < undecided < len(rows)
-    last = f"undecided: {file}: 0 errors, {warnings}, {undecided} of {len(rows)} quantities undecided"
+    last = f"undecided: {file}: 0 errors, {warnings}, {undecided} of {len(rows)} rows undecided"
     assert (status, out.splitlines()[-2]) == (0, last)
     assert f'<span class="verdict open">undecided</span> {file}: {last.partition(f"{file}: ")[2]}' in page.read_text()
 
 
 def test_the_table_has_every_quantity(run):
     _, out, _ = run("check", "chaser_24dof", "--samples", 2, "--point", "right_hand", "--point", "head")
-    for quantity, equation, computed_by, checked_against, _ in quantities.TABLE:
-        row = rf"^{re.escape(quantity)} +{re.escape(equation)} +{re.escape(computed_by)} +{re.escape(checked_against)} "
-        assert re.search(row + r" *\d\.\de-\d\d +\d\.\de-\d\d +agrees *$", out, re.MULTILINE), quantity
-    assert re.search(r"^placements of \d+ links .*yourdfpy.* agrees *$", out, re.MULTILINE)
+    lines = out[out.index("quantity (equations)") :].splitlines()
+    assert max(map(len, lines)) <= 80
+    for quantity in quantities.TABLE:
+        heading = lines.index(f"{quantity.name} ({quantity.equation}): {quantity.checked_against}")
+        below = lines[heading + 1 :]
+        rows = below[: next(k for k, line in enumerate(below) if not line.startswith("  "))]
+        row = rf"  {re.escape(quantity.computed_by)} +\d\.\de-\d\d +\d\.\de-\d\d  agrees"
+        assert [line for line in rows if re.fullmatch(row, line)], quantity
+    assert re.search(r"^placements of \d+ links \(14\): yourdfpy\n  Pinocchio .* agrees$", out, re.MULTILINE)
+
+
+def test_the_table_has_every_way_in():
+    """All that the evaluator and the batch offer, every method, and the sweeps of a state."""
+    taken = {way: set() for way in ("state", "evaluator", "batch")}
+    for quantity in quantities.TABLE:
+        way = quantity.computed_by.rpartition(", ")[2]
+        taken.setdefault(way, set()).add(quantity.name)
+    assert set(taken) == {"state", "evaluator", "batch", "forward chain", "inverted chain"}
+    one_each = {row for names in FIELDS.values() for row in names.values()} | {"momentum M_0"}
+    assert one_each | {"response H^-1 J_e^T"} <= taken["state"]
+    assert {EVERYWHERE[name] for name in evaluator.QUANTITIES} | {"response H^-1 J_e^T"} <= taken["evaluator"]
+    assert {EVERYWHERE[name] for name in batch.QUANTITIES} == taken["batch"]
 
 
 def test_the_facts_of_the_model(run):
@@ -336,10 +355,9 @@ def test_the_schema_refuses_what_is_no_report(document, schema):
 
 def test_the_document_has_every_quantity(document):
     _, report = document("chaser_7dof", "--samples", 3)
-    rows = [
-        (row["quantity"], row["equation"], row["computed_by"], row["checked_against"]) for row in report["agreement"]
-    ]
-    assert rows[: len(quantities.TABLE)] == [tuple(texts) for *texts, _ in quantities.TABLE]
+    names = ("quantity", "equation", "computed_by", "checked_against")
+    rows = [tuple(row[name] for name in names) for row in report["agreement"]]
+    assert rows[: len(quantities.TABLE)] == [quantity[:4] for quantity in quantities.TABLE]
     assert all(row["states"] == 3 and row["error"] <= row["bound"] for row in report["agreement"])
 
 
@@ -627,7 +645,7 @@ def test_a_terminal_has_colour(terminal):
     assert process.wait(timeout=SECONDS) == 0
     assert ESCAPE in seen
     assert re.search(r"\x1b\[[\d;]*32m(sound|agrees)", seen)  # green
-    assert re.search(r"36 of 36 quantities agree", seen)
+    assert re.search(r"(\d+) of \1 rows agree", seen)
 
 
 @pytest.mark.parametrize("environment", [{"TERM": "dumb"}, {"NO_COLOR": "1"}])
@@ -780,6 +798,13 @@ FIELDS = {
         "torque_map": "torque map J_m* H_m*^-1",
     },
 }
+EVERYWHERE = {  # rows of the evaluator and the batch
+    **{name: row for names in FIELDS.values() for name, row in names.items() if name != "response"},
+    **FIELDS["operational_space"],
+    "momentum": "momentum M_0",
+    "inertia_inverse_packed": "inverse inertia, lower rows",
+    "smallest_singular_value": "smallest singular value of J_m*",
+}
 ALL = [(function, name, row) for function, names in FIELDS.items() for name, row in names.items()]
 POINTS = ("chaser_24dof", "--point", "right_hand", "--point", "head", "--samples", "3")
 
@@ -824,13 +849,66 @@ def test_a_millionth_too_much_is_found(monkeypatch, document, function, name, ro
     assert (status, report["verdict"]) == (1, "unsound")
 
 
-@pytest.mark.parametrize(("function", "row"), [("momentum", "momentum M_0"), ("inverse_dynamics", "rate of momentum")])
-def test_a_millionth_too_much_of_a_vector_is_found(monkeypatch, document, function, row):
-    honest = getattr(quantities, function)
-    monkeypatch.setattr(quantities, function, lambda *given: honest(*given) * (1.0 + 1e-6))
+@pytest.mark.parametrize(
+    ("module", "function", "rows"),
+    [
+        (sample, "momentum", {"momentum M_0"}),
+        (quantities, "inverse_dynamics", {"rate of momentum", "forces of a motion"}),
+    ],
+    ids=["momentum", "inverse_dynamics"],
+)
+def test_a_millionth_too_much_of_a_vector_is_found(monkeypatch, document, module, function, rows):
+    honest = getattr(module, function)
+    monkeypatch.setattr(module, function, lambda *given: honest(*given) * (1.0 + 1e-6))
     status, report = document(*POINTS)
-    assert differing(report) == {row}
+    assert differing(report) == rows
     assert status == 1
+
+
+@pytest.mark.parametrize("size", [1e-6, -1e-6])
+@pytest.mark.parametrize("name", evaluator.QUANTITIES)
+def test_a_millionth_too_much_of_the_evaluator_is_found(monkeypatch, document, name, size):
+    honest = vars(evaluator.OperationalSpaceEvaluator)[name]
+    monkeypatch.setattr(
+        evaluator.OperationalSpaceEvaluator, name, property(lambda run: honest.__get__(run, type(run)) * (1.0 + size))
+    )
+    _, report = document(*POINTS)
+    wrong = {row["computed_by"] for row in report["agreement"] if row["verdict"] == "differs"}
+    assert EVERYWHERE[name] in differing(report)
+    assert {text.rpartition(", ")[2] for text in wrong} == {"evaluator"}
+
+
+@pytest.mark.parametrize("size", [1e-6, -1e-6])
+@pytest.mark.parametrize("name", batch.QUANTITIES)
+def test_a_millionth_too_much_of_the_batch_is_found(monkeypatch, document, name, size):
+    honest = agreement.interpreted_batch
+
+    def dishonest(*given):
+        result = honest(*given)
+        return dataclasses.replace(result, **{name: getattr(result, name) * (1.0 + size)})
+
+    monkeypatch.setattr(agreement, "interpreted_batch", dishonest)
+    _, report = document(*POINTS)
+    wrong = {row["computed_by"] for row in report["agreement"] if row["verdict"] == "differs"}
+    assert EVERYWHERE[name] in differing(report)
+    assert {text.rpartition(", ")[2] for text in wrong} == {"batch"}
+
+
+def test_the_batch_is_compiled_for_all_states_when_asked(document):
+    """Of robots with more points, too."""
+    given = ("chaser_7dof", "--point", "end_effector", "--point", "base", "--point", "link_4", "--samples", 5)
+    for options, states in (((), 3), (("--batch",), 5)):
+        status, report = document(*given, *options)
+        rows = [row for row in report["agreement"] if row["computed_by"].endswith("batch")]
+        assert (status, {row["states"] for row in rows}, len(rows)) == (0, {states}, len(batch.QUANTITIES))
+
+
+def test_all_joint_types_of_a_urdf_agree(document):
+    file = Path(__file__).parents[1] / "validation/every_joint.urdf"
+    status, report = document(file, "--point", "hand", "--point", "tip")
+    assert set(report["model"]["joints"]) == {"revolute", "continuous", "prismatic", "planar", "floating"}
+    assert (status, report["verdict"]) == (0, "sound")
+    assert {row["verdict"] for row in report["agreement"]} == {"agrees"}
 
 
 @pytest.mark.parametrize("k", range(18))
@@ -877,15 +955,15 @@ def test_numbers_that_are_none_are_found(monkeypatch, document, run, value):
     assert status == 1
     status, out, err = run("check", *POINTS)
     assert (status, err) == (1, "")
-    assert re.search(r"manipulator bias c_m .* differs", out)
+    assert re.search(r"^manipulator bias c_m .*\n .* differs", out, re.MULTILINE)
 
 
 def test_a_mistake_is_told_in_the_table_and_the_last_line(monkeypatch, run):
     broken(monkeypatch, "joint_space_dynamics", "manipulator_inertia", lambda array: array * (1.0 + 1e-6))
     status, out, _ = run("check", *POINTS)
     assert status == 1
-    assert re.search(r"^manipulator inertia H_m .* 1\.0e-06 .* differs", out, re.MULTILINE)
-    assert "35 of 36 quantities agree" in out
+    assert re.search(r"^manipulator inertia H_m .*\n .* 1\.0e-06 .* differs", out, re.MULTILINE)
+    assert re.search(rf"^{len(quantities.TABLE)} of {len(quantities.TABLE) + 1} rows agree", out, re.MULTILINE)
     assert out.splitlines()[-1] == "unsound: chaser_24dof: 1 error, 0 warnings"
 
 
