@@ -31,7 +31,7 @@ def test_jacobians(laid):
 def test_a_column_is_the_motion_per_rate(laid):
     tip = laid.points[0]
     p = laid.state.placement_about_base(tip).translation
-    way = laid.state.robot.layout.path_to(int(laid.state.robot.layout.link_of_joint[tip.joint]))
+    way = laid.state.robot.path_to(int(laid.state.robot.link_of_joint[tip.joint]))
     for k in way:
         close(points.joint_column(laid.w, tuple(p), k), laid.dense.J_e[:6, k + 5], 1e-12)
 
