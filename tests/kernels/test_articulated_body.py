@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from kernel_tables import close, full
 
-from ospace.kernels.articulated_body import force_across, inertia_across, relative_pivot
+from ospace.kernels.articulated_body import force_across, inertia_across, pivot_terms, relative_pivot
 
 LOWER = np.tril_indices(6)
 
@@ -34,6 +34,7 @@ def test_beyond_its_joint_no_force_acts_along_it(case):
 def test_relative_pivot_is_over_the_traces_of_the_inertia(case):
     I, S, _, _, beta = case
     terms = S[:3] @ S[:3] * np.trace(I[:3, :3]) + S[3:] @ S[3:] * np.trace(I[3:, 3:])
-    assert relative_pivot(tuple(I[LOWER]), tuple(S), beta) == pytest.approx(beta / terms, rel=1e-14)
-    assert relative_pivot((0.0,) * 21, tuple(S), 1.0) > 0.0  # a drive's inertia alone
-    assert relative_pivot((0.0,) * 21, tuple(S), 0.0) == 0.0
+    assert pivot_terms(tuple(I[LOWER]), tuple(S)) == pytest.approx(terms, rel=1e-14)
+    assert relative_pivot(beta, terms) == pytest.approx(beta / terms, rel=1e-14)
+    assert relative_pivot(1.0, 0.0) > 0.0  # a drive's inertia alone
+    assert relative_pivot(0.0, 0.0) == 0.0
