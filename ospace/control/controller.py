@@ -182,7 +182,7 @@ class Controller:
             [
                 (assemble, self._assembly(0.0)),
                 (recover_solution, self._recovery(self._program.f, self._program)),
-                (compose, (self._run.memory,)),
+                (compose, (self._run.memory, self._run.memory, self._run.memory)),
             ]
         )
         shared = {id(one): one for one in (self.robot, self.tasks)}
