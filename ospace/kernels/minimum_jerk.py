@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ospace.kernels.jit.compile import Row, inlined
+from ospace.kernels.jit.compile import Number, Row, inlined
 
 
 @inlined
@@ -12,6 +12,12 @@ def minimum_jerk(u: float) -> Row:
         return (0.0, 0.0, 0.0)
     if u >= 1.0:
         return (1.0, 0.0, 0.0)
+    return rest_to_rest(u)
+
+
+@inlined
+def rest_to_rest(u: Number) -> Row:
+    """The same for u from 0 to 1; a number, or an array of them."""
     return (
         u * u * u * (10.0 + u * (-15.0 + 6.0 * u)),
         30.0 * u * u * (1.0 - u) * (1.0 - u),

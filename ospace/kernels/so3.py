@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ospace.kernels.jit.compile import Row, inlined
+from ospace.kernels.jit.compile import Number, Row, inlined
 from ospace.kernels.spatial import scale3
 
 _SMALL = 1e-8
@@ -16,9 +16,14 @@ def exponential(rho: Row) -> Row:
     """Rotation by the vector ρ, by columns: 1 + sin θ [n]× + (1 − cos θ) [n]×², θ = |ρ|, n = ρ/θ."""
     theta = math.sqrt(rho[0] * rho[0] + rho[1] * rho[1] + rho[2] * rho[2])
     if theta < _SMALL:
-        a, b = 1.0, 0.5
-    else:
-        a, b = math.sin(theta) / theta, (1.0 - math.cos(theta)) / (theta * theta)
+        return rodrigues(rho, 1.0, 0.5)
+    half = math.sin(0.5 * theta) / theta
+    return rodrigues(rho, math.sin(theta) / theta, 2.0 * half * half)
+
+
+@inlined
+def rodrigues(rho: Row, a: Number, b: Number) -> Row:
+    """1 + a ρ̃ + b ρ̃², by columns; a = sin θ/θ, b = (1 − cos θ)/θ² = 2 (sin(θ/2)/θ)². Numbers, or arrays of them."""
     x, y, z = rho[0], rho[1], rho[2]
     return (
         (1.0 - b * (y * y + z * z), b * x * y + a * z, b * x * z - a * y)

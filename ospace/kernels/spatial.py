@@ -414,9 +414,3 @@ def forces_from(p: Row, K: Row) -> Row:
         + add6(K[24:30], sub6(scale6(K[0:6], p[2]), scale6(K[12:18], p[0])))
         + add6(K[30:36], sub6(scale6(K[6:12], p[0]), scale6(K[0:6], p[1])))
     )
-
-
-@inlined
-def between_points(p: Row, K: Row, r: Row) -> Row:
-    """ᵉXᵀ K X: K takes a force to a motion, both at the base; the result takes a force at r to a motion at p."""
-    return mat6_transpose(motions_at(r, mat6_transpose(motions_at(p, K))))

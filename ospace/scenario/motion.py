@@ -30,6 +30,8 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from ospace.exceptions import OspaceError
+from ospace.kernels.minimum_jerk import rest_to_rest
+from ospace.kernels.so3 import rodrigues
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint
 from ospace.model.state import State
@@ -233,7 +235,7 @@ class Approach:
         if n == 0:
             return goal
         t = elapsed[:n, None]
-        s, rate, curve = _minimum_jerk(t / self._duration)
+        s, rate, curve = rest_to_rest(t / self._duration)
         rate, curve = rate / self._duration, curve / self._duration**2
         g, R_g, V_g, A_g = (one[:n] for one in goal)
         v_0, omega_0 = self._velocity[:3], self._velocity[3:]
@@ -269,15 +271,6 @@ class Approach:
 # -- rotations, many at once --------------------------------------------------------------------------------------
 
 
-def _minimum_jerk(u: Floats) -> tuple[Floats, Floats, Floats]:
-    """Way, velocity and acceleration of the quintic from 0 to 1, for u from 0 to 1."""
-    return (
-        u**3 * (10.0 + u * (-15.0 + 6.0 * u)),
-        30.0 * u**2 * (1.0 - u) ** 2,
-        60.0 * u * (1.0 - u) * (1.0 - 2.0 * u),
-    )
-
-
 def _run_out(u: Floats) -> tuple[Floats, Floats, Floats]:
     """Way, velocity and acceleration of the quintic that is zero at both ends, with rate 1 at the first."""
     return (
@@ -293,9 +286,6 @@ def _turned(R: Floats, x: Floats) -> Floats:
 
 def _exp(x: Floats) -> Floats:
     """Return the rotation (N, 3, 3) of each rotation vector (N, 3)."""
-    t = np.linalg.norm(x, axis=1)[:, None, None]
-    S = np.zeros((*x.shape, 3))
-    S[:, 0, 1], S[:, 0, 2], S[:, 1, 2] = -x[:, 2], x[:, 1], -x[:, 0]
-    S = S - S.transpose(0, 2, 1)
-    half = np.sinc(0.5 * t / np.pi)  # sin(t/2)/(t/2)
-    return np.asarray(np.eye(3) + np.sinc(t / np.pi) * S + 0.5 * half**2 * (S @ S))
+    theta = np.linalg.norm(x, axis=1)
+    columns = rodrigues(tuple(x.T), np.sinc(theta / np.pi), 0.5 * np.sinc(0.5 * theta / np.pi) ** 2)
+    return np.ascontiguousarray(np.array(columns).reshape(3, 3, -1).transpose(2, 1, 0))

@@ -22,6 +22,7 @@ import pinocchio as pin
 
 from ospace.dynamics.generalized_jacobian import generalized_jacobian
 from ospace.exceptions import OspaceError
+from ospace.kernels.minimum_jerk import minimum_jerk
 from ospace.kernels.tree import Floats
 from ospace.model.robot import SpaceRobot
 
@@ -155,9 +156,9 @@ def _along(legs: Sequence[tuple[float, float, int, float, float]], n: int) -> Jo
         moved, rates = np.zeros(n), np.zeros(n)
         k = max(0, int(np.searchsorted(begins, time, side="right")) - 1)
         begin, lasts, i, here, there = legs[k]
-        share = min(1.0, max(0.0, (time - begin) / lasts))
-        moved[i] = here + (there - here) * share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
-        rates[i] = (there - here) / lasts * 30.0 * (share * (1.0 - share)) ** 2
+        way, rate, _ = minimum_jerk((time - begin) / lasts)
+        moved[i] = here + (there - here) * way
+        rates[i] = (there - here) / lasts * rate
         return moved, rates
 
     return joints

@@ -23,6 +23,7 @@ from ospace.dynamics.joint_space import (
 from ospace.dynamics.operational_space import OperationalSpace, operational_space
 from ospace.exceptions import OspaceError
 from ospace.kernels import evaluation
+from ospace.kernels.spatial import diagonal
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint
 from ospace.model.state import State
@@ -144,7 +145,7 @@ class Sample:
     def _cancelled(self, from_base: float) -> float:
         run = workspace.of(self.state)
         run.evaluate(evaluation.FLOATING_BASE)
-        inertia, S = run.table("IC")[:, [0, 2, 5, 9, 14, 20]].copy(), run.table("S")
+        inertia, S = np.column_stack(diagonal(tuple(run.table("IC").T))), run.table("S")
         inertia[:, 3:] += from_base * inertia[:, :1] * np.square(run.table("r")).sum(axis=1, keepdims=True)
         terms = np.abs(S) * np.sqrt(np.abs(inertia))
         return float((terms[1:].sum(axis=1) ** 2 / np.diag(self.dense.H)[6:]).max(initial=1.0))

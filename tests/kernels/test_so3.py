@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from ospace.kernels.so3 import exponential, rotation_vector
+from ospace.kernels.so3 import exponential, rodrigues, rotation_vector
 
 AXES = [
     *np.eye(3),
@@ -82,3 +82,11 @@ def test_each_undoes_the_other():
         axis = rng.normal(size=3)
         rho = axis / np.linalg.norm(axis) * rng.uniform(0.0, np.pi)
         np.testing.assert_allclose(rotation_vector(exponential(tuple(rho))), rho, rtol=0, atol=1e-13)
+
+
+def test_the_formula_serves_many_vectors_at_once():
+    vectors = np.random.default_rng(5).normal(size=(20, 3)) * np.logspace(-9, 0.6, 20)[:, None]
+    theta = np.linalg.norm(vectors, axis=1)
+    many = rodrigues(vectors.T, np.sin(theta) / theta, 2.0 * (np.sin(theta / 2.0) / theta) ** 2)
+    one_by_one = [exponential(tuple(vector)) for vector in vectors]
+    np.testing.assert_allclose(np.array(many).T, one_by_one, rtol=0.0, atol=1e-15)
