@@ -31,11 +31,11 @@ if TYPE_CHECKING:
     from ospace.dynamics.operational_space import operational_space as operational_space
     from ospace.exceptions import DependentRowsError as DependentRowsError
     from ospace.exceptions import OspaceError as OspaceError
-    from ospace.exceptions import ScenarioError as ScenarioError
     from ospace.exceptions import SingularInertiaError as SingularInertiaError
     from ospace.model.points import OperationalPoint as OperationalPoint
     from ospace.model.robot import SpaceRobot as SpaceRobot
     from ospace.model.state import State as State
+    from ospace.scenario.errors import ScenarioError as ScenarioError
     from ospace.simulation.errors import SimulationError as SimulationError
     from ospace.simulation.simulate import simulate as simulate
     from ospace.urdf.errors import UnsoundModelError as UnsoundModelError
@@ -65,7 +65,7 @@ _HOME = {
     "UnsoundModelError": "urdf.errors",
     "SingularInertiaError": "exceptions",
     "SimulationError": "simulation.errors",
-    "ScenarioError": "exceptions",
+    "ScenarioError": "scenario.errors",
     "DependentRowsError": "exceptions",
 }
 __all__ = ["models"]

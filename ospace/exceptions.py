@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
-from pathlib import Path
 from typing import Any
 
 
@@ -26,26 +25,6 @@ class OspaceError(Exception):
 
 def _restored(kind: type[OspaceError], *arguments: object) -> OspaceError:
     return kind.__new__(kind, *arguments)
-
-
-class ScenarioError(OspaceError):
-    """A scenario could not be read, or holds mistakes.
-
-    Attributes
-    ----------
-    path : Path
-        The file.
-    problems : tuple of (str, str)
-        Key, as ``phase[1].task[0].stiffness``, and what is wrong with it, in the order found.
-    key : str
-        That of the first problem.
-    """
-
-    def __init__(self, path: Path, problems: Iterable[tuple[str, str]]) -> None:
-        self.path, self.problems = path, tuple(problems)
-        self.key = self.problems[0][0] if self.problems else ""
-        texts = [f"{key}: {what}" if key else what for key, what in self.problems]
-        super().__init__(f"{path}:" + (f" {texts[0]}" if len(texts) == 1 else "".join(f"\n  {text}" for text in texts)))
 
 
 class SingularInertiaError(OspaceError):

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,12 +36,26 @@ def add_to(verbs: Any) -> None:
     )
     verb.add_argument("scenario", metavar="SCENARIO", help="a TOML file, or a scenario that comes with ospace")
     verb.add_argument("--check", action="store_true", help="validate the scenario only")
+    verb.add_argument("--schema", action=_Schema, help="print the JSON Schema of scenarios, for editors, and exit")
     verb.add_argument("--log", metavar="FILE", type=_log, help="write everything to a file: .npz")
     verb.add_argument("--csv", metavar="DIR", type=Path, help="write everything to a folder of CSV files")
     verb.add_argument("--html", metavar="FILE", type=output.file, help="write a report with the animation: one file")
     verb.add_argument("--view", action="store_true", help="play it in a browser as it runs; Ctrl-C ends the view")
     verb.add_argument("--headless", action="store_true", help="no progress bar")
     verb.set_defaults(run=run)
+
+
+class _Schema(argparse.Action):
+    """Prints the JSON Schema of scenarios; no scenario is needed then, as for ``--help``."""
+
+    def __init__(self, option_strings: Sequence[str], dest: str, **more: Any) -> None:
+        super().__init__(option_strings, dest, nargs=0, **more)
+
+    def __call__(self, parser: argparse.ArgumentParser, *given: object) -> None:
+        from ospace.cli.main import EXIT_USAGE
+        from ospace.scenario.schema import json_schema
+
+        parser.exit(0 if output.printed(json.dumps(json_schema(), indent=2, ensure_ascii=False) + "\n") else EXIT_USAGE)
 
 
 def _log(text: str) -> Path:
@@ -174,7 +189,7 @@ def _text(result: Run, name: str) -> str:
 
 
 def _show(console: Console, result: Run, name: str) -> None:
-    from ospace.scenario import words
+    from ospace.scenario import summary_text
 
     scenario = result.scenario
     control = scenario.control
@@ -188,22 +203,22 @@ def _show(console: Console, result: Run, name: str) -> None:
     for phase in result.phases:
         if phase.reason:
             console.print(f"{plain(phase.name)}: [bold red]{plain(phase.reason)}[/]")
-        for line in words.remarks(phase):
+        for line in summary_text.remarks(phase):
             console.print(plain(line))
     if result.not_begun:
         console.print(f"not begun: {plain(', '.join(result.not_begun))}")
-    console.print(f"limits of joints exceeded: {plain(words.exceeded(result.exceeded))}")
+    console.print(f"limits of joints exceeded: {plain(summary_text.exceeded(result.exceeded))}")
     console.print("\n[bold]Certificate[/]")
     for line in str(result.certificate).splitlines():
         console.print(plain(line))
     colour = "bold green" if result.passed else "bold red"
-    console.print(f"\n[{colour}]{words.verdict(result)}[/]: {plain(name)}: {words.summary(result)}")
+    console.print(f"\n[{colour}]{summary_text.verdict(result)}[/]: {plain(name)}: {summary_text.summary(result)}")
 
 
 def _phases(result: Run) -> Any:
     from rich.table import Table
 
-    from ospace.scenario import words
+    from ospace.scenario import summary_text
 
     table = Table(box=None, pad_edge=False, header_style="bold")
     for heading in ("phase", "from s", "to s", "outcome", "task", "worst error", "at the end", "cycles"):
@@ -217,9 +232,9 @@ def _phases(result: Run) -> Any:
             f"{phase.end:.3f}",
             f"[{colour}]{phase.outcome}[/]",
         )
-        for k, (task, most, last) in enumerate(words.tasks(phase)):
+        for k, (task, most, last) in enumerate(summary_text.tasks(phase)):
             begin = first if k == 0 else ("",) * 4
-            table.add_row(*begin, plain(task), most, last, words.cycles(phase) if k == 0 else "")
+            table.add_row(*begin, plain(task), most, last, summary_text.cycles(phase) if k == 0 else "")
     return table
 
 

@@ -1,31 +1,37 @@
-"""A scenario's phases by their times, without a simulation: what can be known beforehand not to be reached.
+"""Try the phases of a scenario without a simulation, and report all that cannot run.
 
-A phase ends between the sum of the shortest times of the phases and the sum of their time-outs. What is noted here
-cannot be reached at any moment between, wherever the arm may be; what cannot be excluded is left to the run.
+First by names: frames of the robot that each phase will have, and whether the target moves by itself. Where nothing is
+wrong so far, each phase's controller is made. Last by times: a phase ends between the sum of the shortest times of the
+phases and the sum of their time-outs, and what cannot be reached at any moment between, wherever the arm may be, is
+refused; what cannot be excluded is left to the run.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
+import pinocchio as pin
 
-from ospace.control import Task
+from ospace.control import Controller, Task
+from ospace.exceptions import OspaceError, closest
 from ospace.model.points import OperationalPoint
 from ospace.model.robot import SpaceRobot
-from ospace.scenario.description import (
+from ospace.scenario.reach import Region, apart, mass_centre, of_target, reached
+from ospace.scenario.schema import (
     Follow,
-    GraspPlan,
+    GraspTable,
     Hold,
-    PhasePlan,
+    PhaseTable,
     Scenario,
     Shift,
-    TaskPlan,
+    TaskTable,
     ToMomentum,
     ToPose,
 )
-from ospace.scenario.reach import Region, apart, mass_centre, of_target, reached
-from ospace.scenario.table import Problems
+from ospace.scenario.table import Problem
+from ospace.simulation import grasp
 
 _LINEAR = (0, 1, 2)
 _ROUNDING = 1e-6
@@ -33,17 +39,122 @@ _PLACED = ("pose", "position")
 """Types of tasks whose goal is a place of a point in the inertial frame."""
 
 
-class Rehearsal:
+def rehearse(scenario: Scenario, problems: list[Problem], *, target_known: bool) -> None:
+    """Report what cannot be made or reached, phase by phase with the robot that it will have.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Where there are problems already, it may be incomplete; names are checked all the same.
+    problems : list of (key, what)
+        Takes what is found.
+    target_known : bool
+        Whether the target is as the file says; else nothing is said of it.
+    """
+    problems += scenario.limits.accelerations(scenario.robot)[1]
+    robots = list(_Names(scenario, problems, target_known).robots())
+    if problems:
+        return
+    for phase, robot in zip(scenario.phases, robots, strict=True):
+        try:
+            limits = scenario.limits.of(robot, scenario.robot)
+            tasks = [task.task(robot) for task in phase.tasks]
+            Controller(robot, tasks, base=scenario.base, limits=limits, period=scenario.control.period)
+        except OspaceError as error:
+            problems.append((phase.key, str(error)))
+    if problems:
+        return
+    reach = _Reach(scenario, problems)
+    for phase, robot in zip(scenario.phases, robots, strict=True):
+        reach.phase(phase, robot)
+
+
+class _Names:
+    """Checks names of frames and joints, and that a target is there to be followed, grasped or let go."""
+
+    def __init__(self, scenario: Scenario, problems: list[Problem], target_known: bool) -> None:
+        self.scenario, self.problems, self.target_known = scenario, problems, target_known
+
+    def robots(self) -> Iterator[SpaceRobot]:
+        """Check the phases in their order, and yield the robot that each has; the chaser where that is not known."""
+        chaser, target = self.scenario.robot, self.scenario.target
+        robot, held = chaser, False
+        frames: Sequence[str] = chaser.frame_names
+        for phase in self.scenario.phases:
+            for task in phase.tasks:
+                self._task(task, phase, robot, frames, held)
+            yield robot
+            if "grasp" in phase.model_fields_set:
+                combined = None if phase.grasp is None else self._grasp(phase.grasp, held)
+                robot, held = combined or robot, True
+                names = target.robot.frame_names if target is not None else ()
+                either = (*chaser.frame_names, *names, *(f"{target.robot.name}/{name}" for name in names if target))
+                frames = robot.frame_names if combined else either
+            elif phase.release:
+                if not held:
+                    self.problems.append((phase.path("release"), "nothing is held at the end of this phase"))
+                robot, frames, held = chaser, chaser.frame_names, False
+
+    def _task(self, task: TaskTable, phase: PhaseTable, robot: SpaceRobot, frames: Iterable[str], held: bool) -> None:
+        where = "" if phase.owns(task) else f" (phase '{phase.name}')"
+        known = len(self.problems)
+        for key, frame in task.frames.items():
+            self._frame(task.path(key), frame, robot.name, frames, where)
+        self.problems += task.postures(robot)[1]
+        goal = task.followed
+        if isinstance(goal, Follow):
+            key, target = goal.path("follow"), self.scenario.target
+            if held:
+                self.problems.append((key, f"the target is held already{where or f' in phase {phase.name!r}'}"))
+            elif target is not None:
+                self._frame(key, goal.follow, target.robot.name, target.robot.frame_names)
+            elif self.target_known:
+                self.problems.append((key, "there is no target to follow: give a table [target]"))
+        if not self.problems[:known] and len(self.problems) == known:
+            try:
+                task.task(robot).rows(robot)
+            except OspaceError as error:
+                self.problems.append((task.key, str(error) + where))
+
+    def _grasp(self, table: GraspTable, held: bool) -> SpaceRobot | None:
+        """Return the combined robot, where it can be made."""
+        start, target, known = self.scenario.start, self.scenario.target, len(self.problems)
+        if held:
+            self.problems.append((table.key, "the target is held already"))
+        elif target is None and self.target_known:
+            self.problems.append((table.key, "there is no target to grasp: give a table [target]"))
+        self._frame(table.path("hand"), table.hand, start.robot.name, start.robot.frame_names)
+        if target is None:
+            return None
+        self._frame(table.path("fixture"), table.fixture, target.robot.name, target.robot.frame_names)
+        if len(self.problems) > known or not (table.hand and table.fixture):
+            return None
+        try:
+            hand, fixture = start.robot.point(table.hand), target.robot.point(table.fixture)
+            q = target.q.copy()  # the target where it will be: at the hand
+            there = start.placement(hand) * target.placement(fixture).inverse()
+            q[:7] = pin.SE3ToXYZQUAT(there * target.robot.base_pose(q))
+            return grasp(start, hand, target.robot.state(q, target.v), fixture).state.robot
+        except OspaceError as error:
+            self.problems.append((table.key, str(error)))
+            return None
+
+    def _frame(self, key: str, frame: str, robot: str, known: Iterable[str], where: str = "") -> None:
+        if frame and frame not in known:
+            self.problems.append((key, f"no frame '{frame}' in robot '{robot}'{closest(frame, known)}{where}"))
+
+
+class _Reach:
     """Goes through the phases of a scenario in their order.
 
     Parameters
     ----------
     scenario : Scenario
-    problems : Problems
-        Takes down what cannot be reached.
+    problems : list of (key, what)
+        Takes what cannot be reached.
     """
 
-    def __init__(self, scenario: Scenario, problems: Problems) -> None:
+    def __init__(self, scenario: Scenario, problems: list[Problem]) -> None:
         self.scenario, self.problems = scenario, problems
         self._begins = self._ends = 0.0  # the earliest and the latest time, s
         start, self._force = scenario.start, float(np.linalg.norm(scenario.base.limits[:3]))
@@ -53,26 +164,26 @@ class Rehearsal:
         self._rests = inside and not start.v.any()
         self._first = True
 
-    def phase(self, plan: PhasePlan, robot: SpaceRobot) -> None:
+    def phase(self, plan: PhaseTable, robot: SpaceRobot) -> None:
         """Note what cannot be reached in a phase, whose robot is `robot`, and go on to its end."""
-        first, last, known = self._begins, self._ends + plan.timeout, len(self.problems.found)
+        first, last, known = self._begins, self._ends + plan.timeout, len(self.problems)
         self._rests = self._rests and all(_stays(task) for task in plan.tasks)
         for task in plan.tasks:
             if task.completion is not None and math.isfinite(task.completion.position):
                 self._task(plan, task, robot, first + plan.motion(task), last)
-        if isinstance(plan.action, GraspPlan) and len(self.problems.found) == known:
-            self._grasp(plan, plan.action, first + plan.earliest, last)
+        if plan.grasp is not None and len(self.problems) == known:
+            self._grasp(plan, plan.grasp, first + plan.earliest, last)
         self._begins, self._ends, self._first = first + plan.earliest, last, False
-        if plan.action is not None:
+        if plan.changes_robot:
             centre = None  # of either by itself it is not known after a release
-            if isinstance(plan.action, GraspPlan) and self._centre is not None and self._target is not None:
+            if plan.grasp is not None and self._centre is not None and self._target is not None:
                 centre = mass_centre((self.scenario.start, self._target), self._force)
             self._centre, self._target, self._rests = centre, None, False
 
     # -- tasks -----------------------------------------------------------------------------------------------
 
-    def _task(self, phase: PhasePlan, plan: TaskPlan, robot: SpaceRobot, first: float, last: float) -> None:
-        task, goal = plan.task(robot), plan.goal
+    def _task(self, phase: PhaseTable, plan: TaskTable, robot: SpaceRobot, first: float, last: float) -> None:
+        task, goal = plan.task(robot), plan.followed
         rows = tuple(row for row in task.rows(robot) if row in _LINEAR)
         if plan.completion is None or not rows:
             return
@@ -80,7 +191,8 @@ class Rehearsal:
         if plan.type == "relative_pose" and isinstance(goal, ToPose) and goal.position is not None:
             away, most = float(np.linalg.norm(goal.position)), apart(*task.points)
             if rows == _LINEAR and away - near > most:
-                what = f"is {away:.4g} m from '{plan.seen_from}', of which '{plan.point}' is {most:.4g} m away at most"
+                point, other = plan.frames["point"], plan.frames["seen_from"]
+                what = f"is {away:.4g} m from '{other}', of which '{point}' is {most:.4g} m away at most"
                 self._refuse(phase, plan, what)
             return
         if self._centre is None or plan.type not in _PLACED:
@@ -97,24 +209,24 @@ class Rehearsal:
             if off > near:
                 self._refuse(phase, plan, _out_of_reach(plan, off))
 
-    def _goal(self, plan: TaskPlan, task: Task) -> Region | None:
+    def _goal(self, plan: TaskTable, task: Task) -> Region | None:
         """Return where the goal of a task is, if that is known."""
-        start, goal = self.scenario.start, plan.goal
+        start, goal = self.scenario.start, plan.followed
         if isinstance(goal, Follow) and self._target is not None:
-            return of_target(self._target, self._target.robot.point(goal.frame, offset=goal.offset))
+            return of_target(self._target, self._target.robot.point(goal.follow, offset=goal.offset.pose))
         if isinstance(goal, ToPose) and goal.position is not None:
             return Region.still(goal.position)
         if isinstance(goal, Shift) and self._first:
             return Region.still(start.placement(task.points[0]).translation + goal.shift)
         return None
 
-    def _refuse(self, phase: PhasePlan, plan: TaskPlan, why: str) -> None:
-        where = "" if plan.key.startswith(phase.key) else f" (phase '{phase.name}')"
-        self.problems.add(f"{plan.key}.goal", f"the goal {why}{where}")
+    def _refuse(self, phase: PhaseTable, plan: TaskTable, why: str) -> None:
+        where = "" if phase.owns(plan) else f" (phase '{phase.name}')"
+        self.problems.append((f"{plan.key}.goal", f"the goal {why}{where}"))
 
     # -- grasps ----------------------------------------------------------------------------------------------
 
-    def _grasp(self, phase: PhasePlan, plan: GraspPlan, first: float, last: float) -> None:
+    def _grasp(self, phase: PhaseTable, plan: GraspTable, first: float, last: float) -> None:
         start, target = self.scenario.start, self.scenario.target
         if target is None:
             return
@@ -126,22 +238,22 @@ class Rehearsal:
             off = reached(hand, self._centre).distance(there, first, last)
             if off > near:
                 what = f"'{plan.fixture}' is at least {off:.3g} m out of reach of '{plan.hand}'"
-                self.problems.add(f"{phase.key}.grasp", f"{what} between {first:g} s and {last:g} s")
+                self.problems.append((f"{phase.key}.grasp", f"{what} between {first:g} s and {last:g} s"))
                 return
         off = Region.still(start.placement(hand).translation).distance(there, first, last)
         if self._rests and off > near:
             what = f"no task moves '{plan.hand}', which stays at least {off * 1e3:.4g} mm from '{plan.fixture}'"
-            self.problems.add(f"{phase.key}.grasp", f"{what}: a grasp needs {plan.position * 1e3:g} mm")
+            self.problems.append((f"{phase.key}.grasp", f"{what}: a grasp needs {plan.position * 1e3:g} mm"))
 
     def _ends_apart(
-        self, phase: PhasePlan, plan: GraspPlan, task: TaskPlan, hand: OperationalPoint, fixture: OperationalPoint
+        self, phase: PhaseTable, plan: GraspTable, task: TaskTable, hand: OperationalPoint, fixture: OperationalPoint
     ) -> bool:
         """Return whether a task is done only where hand and fixture are too far from each other, and note that."""
-        goal, done = task.goal, task.completion
-        if not isinstance(goal, Follow) or done is None or task.type not in ("pose", "position") or task.point is None:
+        goal, done = task.followed, task.completion
+        if not isinstance(goal, Follow) or done is None or task.type not in _PLACED:
             return False
-        point = hand.robot.point(task.point, offset=task.offset)
-        followed = fixture.robot.point(goal.frame, offset=goal.offset)
+        (point,) = task.task(hand.robot).points
+        followed = fixture.robot.point(goal.follow, offset=goal.offset.pose)
         if point.joint != hand.joint or followed.joint != fixture.joint:
             return False
         rows = task.task(hand.robot).rows(hand.robot)
@@ -153,19 +265,20 @@ class Rehearsal:
         if not set(_LINEAR) <= set(rows) or off <= plan.position + _ROUNDING:
             return False
         what = f"'{plan.hand}' is at least {off * 1e3:.4g} mm from '{plan.fixture}' where task '{task.name}' is done"
-        self.problems.add(f"{phase.key}.grasp", f"{what}: a grasp needs {plan.position * 1e3:g} mm")
+        self.problems.append((f"{phase.key}.grasp", f"{what}: a grasp needs {plan.position * 1e3:g} mm"))
         return True
 
 
-def _stays(task: TaskPlan) -> bool:
-    """Whether a task leaves a robot at rest where it is."""
-    if task.goal is None:
-        return not task.options.get("posture")
-    return isinstance(task.goal, Hold) or (isinstance(task.goal, ToMomentum) and not np.any(task.goal.momentum))
+def _stays(task: TaskTable) -> bool:
+    """Return whether a task leaves a robot at rest where it is."""
+    goal = task.followed
+    if goal is None:
+        return not getattr(task, "posture", None)
+    return isinstance(goal, Hold) or (isinstance(goal, ToMomentum) and not goal.momentum.any())
 
 
-def _out_of_reach(plan: TaskPlan, off: float) -> str:
-    what = (
-        f"'{plan.point}'" if plan.point else "the mass centre, which nothing moves as long as nothing pushes the base"
-    )
+def _out_of_reach(plan: TaskTable, off: float) -> str:
+    what = "the mass centre, which nothing moves as long as nothing pushes the base"
+    if "point" in plan.frames:
+        what = f"'{plan.frames['point']}'"
     return f"is at least {off:.3g} m out of reach of {what}"

@@ -12,7 +12,7 @@ import numpy as np
 from ospace.kernels.tree import Floats
 from ospace.model.joint_positions import unit_of
 from ospace.model.robot import SpaceRobot
-from ospace.scenario.description import LimitsPlan, Scenario
+from ospace.scenario.schema import LimitsTable, Scenario
 from ospace.simulation import Certificate, Conserved, Excess, Grasp, Trajectory
 
 Outcome = Literal["complete", "timed out", "interrupted", "failed"]
@@ -210,7 +210,7 @@ class Run(Verdict):
         return found
 
 
-def _exceeded(segment: Segment, plan: LimitsPlan, actuated: SpaceRobot) -> dict[str, Excess]:
+def _exceeded(segment: Segment, plan: LimitsTable, actuated: SpaceRobot) -> dict[str, Excess]:
     robot, run, limits = segment.robot, segment.trajectory, plan.of(segment.robot, actuated)
     driven = set(actuated.joint_names)
     found = {

@@ -1,209 +1,235 @@
-"""Typed reading of TOML tables: every mistake is noted by its key, and reading goes on."""
+"""Tables of a scenario on pydantic: whatever is wrong in one is noted by its key, and reading goes on."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any, Self, get_origin
 
-import numpy as np
-import pinocchio as pin
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    ModelWrapValidatorHandler,
+    PrivateAttr,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    WithJsonSchema,
+    field_validator,
+    model_validator,
+)
+from pydantic.fields import FieldInfo
+from pydantic_core import CoreSchema, ErrorDetails, core_schema
 
 from ospace.exceptions import closest
-from ospace.kernels.tree import Floats
-from ospace.scenario import units
+from ospace.scenario.units import shown
 
-_UNIT_LENGTH = 1e-3
+Problem = tuple[str, str]
+"""A key, as ``phase[1].task[0].stiffness``, and what is wrong with it."""
+_MISSING = object()
+_LAST_LEVEL = 1000
+_TAG = "\0"
+"""Begins what pydantic puts into a key to say which of several types it took."""
 
 
 @dataclass
-class Problems:
-    """Mistakes found so far: keys, and what is wrong with each."""
+class _Wrong:
+    """Stands for a value that could not be read, until its table notes why."""
 
-    found: list[tuple[str, str]]
-
-    def add(self, key: str, what: str) -> None:
-        """Note a mistake."""
-        self.found.append((key, what))
+    errors: list[ErrorDetails]
 
 
-class Table:
-    """One table of a scenario.
+class Table(BaseModel):
+    """A table: unknown, missing and wrong keys become `problems`, never an exception.
 
-    Each method takes a key and returns its value, or `default` where the key is missing; a key without a default is
-    required. Where something is wrong it is noted, and a value of the right type returned.
+    A value that could not be read is NaN for a number, so that no comparison holds of it, and empty for a text; else it
+    is as if it were left out, or None.
     """
 
-    def __init__(self, data: dict[str, Any], key: str, problems: Problems) -> None:
-        self.data, self.key, self.problems = data, key, problems
-        self._asked: set[str] = set()
+    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, defer_build=True)
+    _key: str = PrivateAttr("")
+    _noted: list[Problem] = PrivateAttr(default_factory=list)
 
-    def __contains__(self, name: str) -> bool:
-        self._asked.add(name)
-        return name in self.data
+    @property
+    def key(self) -> str:
+        """Where the table stands in the file."""
+        return self._key
+
+    def __eq__(self, other: object) -> bool:
+        return self is other
+
+    def __hash__(self) -> int:
+        return id(self)
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _read(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        if not isinstance(data, dict):
+            raise ValueError(f"{shown(data)}: give a table, with keys and values")
+        fields = cls.model_fields
+        unknown = [name for name in data if name not in fields] if cls.model_config["extra"] == "forbid" else []
+        required = {name: _MISSING for name, field in fields.items() if field.is_required()}
+        table = handler(required | {name: value for name, value in data.items() if name in fields})
+        for name, field in fields.items():
+            value = getattr(table, name)
+            if isinstance(value, _Wrong):
+                setattr(table, name, _stand_in(field))
+                table._noted += [(_joined((name, *error["loc"])), _what(error)) for error in value.errors]
+            elif value is _MISSING:
+                setattr(table, name, _stand_in(field))
+                near = closest(name, unknown)
+                table._noted.append((name, "missing" + (near if "did you mean" in near else "")))
+        table._noted += [(_joined((name,)), f"unknown key{closest(name, fields)}") for name in unknown]
+        return table
+
+    @field_validator("*", mode="wrap")
+    @classmethod
+    def _go_on(cls, value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
+        try:
+            return value if value is _MISSING else handler(value)
+        except ValidationError as error:
+            return _Wrong(error.errors(include_url=False, include_input=False))
+
+    def tables(self, key: str = "") -> Iterator[Table]:
+        """Give this table and those within it their keys, and yield them in order."""
+        self._key = key
+        yield self
+        for name in type(self).model_fields:
+            value = getattr(self, name)
+            inner: dict[tuple[str | int, ...], Any] = {(name,): value}
+            if isinstance(value, list):
+                inner = {(name, k): one for k, one in enumerate(value)}
+            elif isinstance(value, Mapping):
+                inner = {(name, one): table for one, table in value.items()}
+            for parts, table in inner.items():
+                if isinstance(table, Table):
+                    yield from table.tables(_joined(parts, key))
 
     def path(self, name: str) -> str:
-        """Return the key's path."""
-        return f"{self.key}.{name}" if self.key else name
+        """Return the path of a key of this table; of the table with the empty name."""
+        return f"{self._key}.{name}" if self._key and name else self._key or name
 
-    def wrong(self, name: str, what: str) -> None:
-        """Note a mistake in the value of a key; of this table with the empty name."""
-        self.problems.add(self.path(name) if name else self.key, what)
+    def problems(self) -> Iterator[Problem]:
+        """Yield all that is wrong in this table, without those within it."""
+        yield from ((self.path(name), what) for name, what in self._noted)
+        yield from self.mistakes()
 
-    def done(self) -> None:
-        """Note every key that nothing asked for."""
-        for name in self.data:
-            if name not in self._asked:
-                self.wrong(name, f"unknown key{closest(name, self._asked)}")
+    def mistakes(self) -> Iterable[Problem]:
+        """Return what is wrong with keys together, by their paths."""
+        return ()
 
-    # -- values ----------------------------------------------------------------------------------------------
 
-    def text(self, name: str, default: str | None = None, choices: Iterable[str] | None = None) -> str:
-        """Return a text, one of `choices` if given."""
-        value = self._given(name, default is None)
-        if value is None:
-            return default or ""
-        if not isinstance(value, str) or not value.strip():
-            self.wrong(name, f"{value!r} is no text: put it in quotes")
-            return default or ""
-        if choices is not None and value not in choices:
-            self.wrong(name, f"'{value}' is unknown{closest(value, choices)}")
-            return default or ""
-        return value
-
-    def quantity(
-        self,
-        name: str,
-        dimension: str,
-        default: float | None = None,
-        *,
-        least: float = -math.inf,
-        above: float = -math.inf,
-        most: float | None = None,
-        finite: bool = True,
-    ) -> float:
-        """Return a quantity in SI units; NaN for a wrong one. Without `most`, the largest is that of its dimension."""
-        value = self._given(name, default is None)
-        if value is None:
-            return math.nan if default is None else default
-        number = self._parsed(name, value, dimension)
-        if number is None:
-            return math.nan
-        largest = units.LARGEST[dimension] if most is None else most
-        if math.isinf(number) and (finite or number < 0.0):
-            self.wrong(name, f"{_short(value)} must be finite")
-        elif not (number > above and number >= least):
-            bound = f"above {above:g}" if math.isfinite(above) else f"at least {least:g}"
-            self.wrong(name, f"{_short(value)} must be {bound}{_unit(dimension)}")
-        elif abs(number) > largest and not math.isinf(number):
-            bound = f"at most {largest:g}" if number > 0.0 else f"at least {-largest:g}"
-            self.wrong(name, f"{_short(value)} must be {bound}{_unit(dimension)}")
-        else:
-            return number
+def _stand_in(field: FieldInfo) -> Any:
+    """Return what stands for a value that could not be read."""
+    if field.annotation is float:
         return math.nan
-
-    def vector(self, name: str, dimension: str, default: Sequence[float] | None = None, count: int = 3) -> Floats:
-        """Return `count` finite quantities in SI units."""
-        value = self._given(name, default is None)
-        if value is None:
-            return np.zeros(count) if default is None else np.array(default, dtype=np.float64)
-        if not isinstance(value, list) or len(value) != count:
-            self.wrong(name, f"{value!r}: give a list of {count} of {dimension}")
-            return np.zeros(count)
-        numbers = [self._parsed(f"{name}[{k}]", one, dimension) for k, one in enumerate(value)]
-        for k, number in enumerate(numbers):
-            if number is not None and not abs(number) <= (largest := units.LARGEST[dimension]):
-                what = f"from {-largest:g} to {largest:g}{_unit(dimension)}"
-                self.wrong(f"{name}[{k}]", f"{_short(value[k])} must be {'finite' if math.isinf(number) else what}")
-        return np.array([0.0 if one is None else one for one in numbers])
-
-    def whole(self, name: str, default: int | None = None, *, least: int = 0, most: int = 1000) -> int | None:
-        """Return a whole number, or None where the key is missing."""
-        value = self._given(name, False)
-        if value is None:
-            return default
-        if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-            self.wrong(name, f"{value!r}: give a whole number from {least} to {most}")
-            return default
-        return value
-
-    def flag(self, name: str, default: bool = False) -> bool:
-        """Return true or false."""
-        value = self._given(name, False)
-        if value is not None and not isinstance(value, bool):
-            self.wrong(name, f"{value!r}: give true or false")
-        return value if isinstance(value, bool) else default
-
-    def rotation(self) -> Floats | None:
-        """Return the rotation (3, 3) of the keys ``rpy`` or ``quaternion``, if there is one."""
-        if "rpy" in self and "quaternion" in self:
-            self.wrong("quaternion", "give rpy or quaternion, not both")
-        if "quaternion" in self:
-            x = self.vector("quaternion", "number", count=4)
-            length = float(np.linalg.norm(x))
-            if abs(length - 1.0) > _UNIT_LENGTH:
-                self.wrong("quaternion", f"its length is {length:.6g}: give x, y, z, w of length 1")
-                return np.eye(3)
-            return np.asarray(pin.Quaternion(x / length).toRotationMatrix())
-        if "rpy" in self:
-            return np.asarray(pin.rpy.rpyToMatrix(self.vector("rpy", "angle")))
-        return None
-
-    def pose(self) -> pin.SE3:
-        """Return the pose of the keys ``position`` and ``rpy`` or ``quaternion``; zero where they are missing."""
-        rotation = self.rotation()
-        return pin.SE3(np.eye(3) if rotation is None else rotation, self.vector("position", "length", (0, 0, 0)))
-
-    def table(self, name: str, required: bool = False) -> Table | None:
-        """Return a table within this one."""
-        value = self._given(name, required)
-        if value is None:
-            return None
-        if not isinstance(value, dict):
-            self.wrong(name, f"{value!r}: give a table, [{self.path(name)}] or {{key = value}}")
-            return None
-        return Table(value, self.path(name), self.problems)
-
-    def tables(self, name: str, required: bool = False) -> list[Table]:
-        """Return the tables of an array, ``[[name]]``."""
-        value = self._given(name, required)
-        if value is None:
-            return []
-        if not isinstance(value, list) or not all(isinstance(one, dict) for one in value):
-            self.wrong(name, f"give an array of tables, [[{name}]]")
-            return []
-        return [Table(one, f"{self.path(name)}[{k}]", self.problems) for k, one in enumerate(value)]
-
-    def rest(self) -> list[str]:
-        """Return all keys, and take them for asked for: names that the user chooses."""
-        self._asked.update(self.data)
-        return list(self.data)
-
-    def _given(self, name: str, required: bool) -> Any:
-        if name in self:
-            return self.data[name]
-        if required:
-            near = closest(name, self.data.keys() - self._asked)
-            self.wrong(name, "missing" + (near if "did you mean" in near else ""))
-        return None
-
-    def _parsed(self, name: str, value: object, dimension: str) -> float | None:
-        try:
-            return units.parse(value, dimension)
-        except ValueError as error:
-            self.wrong(name, str(error))
-            return None
+    if field.annotation is str:
+        return ""
+    if get_origin(field.annotation) is list:
+        return []
+    return None if field.is_required() else field.get_default(call_default_factory=True)
 
 
-def _short(value: object) -> str:
-    """Return how a value is written, if that is short enough to show."""
-    text = (
-        repr(value) if not isinstance(value, int) or abs(value) < 10**20 else f"a number of {value.bit_length()} bits"
-    )
-    return text if len(text) <= 60 else text[:57] + "..."
+def _joined(parts: Iterable[str | int], key: str = "") -> str:
+    """Return a key's path, as ``task[0].point``."""
+    for part in parts:
+        if isinstance(part, int):
+            key += f"[{part}]"
+        elif not part.startswith(_TAG):
+            key += f".{part}" if key else part
+    return key
 
 
-def _unit(dimension: str) -> str:
-    unit = next(iter(units.UNITS[dimension]), "")
-    return f" {unit}" if unit else ""
+def _what(error: ErrorDetails) -> str:
+    """Return what is wrong, without pydantic's prefix."""
+    return str(error.get("ctx", {}).get("error", error["msg"]))
+
+
+# -- types of keys -----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Either:
+    """Type of a key that can be written in several ways.
+
+    Attributes
+    ----------
+    choose : function
+        Returns the way that a value is written in, by its name in `ways`; None for none of them.
+    ways : mapping of str to type
+        Those that begin with ``_`` stand in no JSON Schema.
+    remedy : str
+        What to write instead of a value that is written in none of the ways.
+    """
+
+    choose: Callable[[Any], str | None]
+    ways: Mapping[str, Any]
+    remedy: str = ""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.tagged_union_schema(
+            {_TAG + name: handler.generate_schema(kind) for name, kind in self.ways.items()},
+            discriminator=lambda value: _TAG + (self.choose(value) or ""),
+            custom_error_type="written",
+            custom_error_message=self.remedy,
+        )
+
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        union: Any = core
+        while "choices" not in union:  # the validator of all fields stands around it
+            union = union["schema"]
+        offered = {name: way for name, way in union["choices"].items() if not name.startswith(_TAG + "_")}
+        return handler({**union, "choices": offered})
+
+
+@dataclass(frozen=True)
+class OneOf:
+    """Type of a key whose value is one of some texts."""
+
+    choices: tuple[str, ...]
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self._read)
+
+    def _read(self, value: object) -> str:
+        if _text(value) not in self.choices:
+            raise ValueError(f"{shown(value)} is unknown{closest(str(value), self.choices)}")
+        return str(value)
+
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"enum": list(self.choices)}
+
+
+def _text(value: object) -> object:
+    if not isinstance(value, str) or not value.strip():
+        raise ValueError(f"{shown(value)} is not a text: put it in quotes")
+    return value
+
+
+def _flag(value: object) -> object:
+    if not isinstance(value, bool):
+        raise ValueError(f"{shown(value)}: give true or false")
+    return value
+
+
+def _level(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= _LAST_LEVEL:
+        raise ValueError(f"{shown(value)}: give a whole number from 0 to {_LAST_LEVEL}")
+    return value
+
+
+def _array(value: object) -> object:
+    if not isinstance(value, list) or not all(isinstance(one, dict) for one in value):
+        raise ValueError("give an array of tables, with a head in double brackets for each")
+    return value
+
+
+Text = Annotated[str, WithJsonSchema({"type": "string", "pattern": r"\S"}), BeforeValidator(_text)]
+Flag = Annotated[bool, BeforeValidator(_flag)]
+Level = Annotated[
+    int, WithJsonSchema({"type": "integer", "minimum": 0, "maximum": _LAST_LEVEL}), BeforeValidator(_level)
+]
+Array = BeforeValidator(_array)

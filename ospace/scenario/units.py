@@ -1,9 +1,18 @@
-"""Units that a scenario may use, by what they measure; SI is what a plain number means."""
+"""Quantities with units: types of a scenario's keys, with dimension and bounds, in SI units once they are read."""
 
 from __future__ import annotations
 
 import math
 import re
+import sys
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import CoreSchema, core_schema
+
+from ospace.kernels.tree import Floats
 
 _RADIANS = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0, "°": math.pi / 180.0}
 _SECONDS = {"s": 1.0, "ms": 1e-3, "min": 60.0}
@@ -47,11 +56,13 @@ LARGEST: dict[str, float] = {
 }
 """The largest amounts that a scenario may have, SI: beyond these, a run would show rounding and overflow alone."""
 
-_QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[+-]?inf)\s*(.*?)\s*", re.DOTALL)
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[+-]?inf"
+_QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*", re.DOTALL)
+_SHOWN = 60
 
 
 def parse(value: object, dimension: str) -> float:
-    """Return a quantity in SI units; raises `ValueError`, whose text says what is wrong and what would be right.
+    """Return a quantity in SI units.
 
     Parameters
     ----------
@@ -59,43 +70,156 @@ def parse(value: object, dimension: str) -> float:
         A number in SI units, or a number and a unit, as ``"20 deg"``.
     dimension : str
         A key of `UNITS`.
+
+    Returns
+    -------
+    float
+        Infinite for whole numbers that no float holds.
+
+    Raises
+    ------
+    ValueError
+        The value is not such a quantity: the message says why, and what would be right.
     """
     units = UNITS[dimension]
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        try:
-            number = float(value)
-        except OverflowError:
-            number = math.inf if value > 0 else -math.inf
-    elif isinstance(value, str):
-        found = _QUANTITY.fullmatch(value)
-        if found is None:
-            raise ValueError(f"{value!r} is no {dimension}: {_right(dimension)}")
-        unit = " ".join(found[2].replace("²", "^2").replace("·", " ").split())
-        if unit not in units and (unit or units):
-            raise ValueError(f"{value!r} is no {dimension}: {_wrong_unit(unit, dimension)}")
-        number = float(found[1]) * units.get(unit, 1.0)
-    else:
-        raise ValueError(f"{_shown(value)} is no {dimension}: {_right(dimension)}")
+    if isinstance(value, str) and (match := _QUANTITY.fullmatch(value)):
+        unit = " ".join(match[2].replace("²", "^2").replace("·", " ").split())
+        if unit in units or not (unit or units):
+            return float(match[1]) * units.get(unit, 1.0)
+        raise ValueError(f"{shown(value)} is not {_a(dimension)}: {_wrong_unit(unit, dimension)}")
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError(f"{shown(value)} is not {_a(dimension)}: {_remedy(dimension)}")
+    try:
+        number = float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
     if math.isnan(number):
-        raise ValueError(f"{value!r} is not a number: {_right(dimension)}")
+        raise ValueError(f"{value} is not a number: {_remedy(dimension)}")
     return number
+
+
+def shown(value: object) -> str:
+    """Return the value as it is written, shortened."""
+    if isinstance(value, int) and abs(value) >= 10**20:
+        return f"a number of {value.bit_length()} bits"
+    text = repr(value[:_SHOWN] if isinstance(value, str | list) else value)
+    return text if len(text) <= _SHOWN else text[: _SHOWN - 3] + "..."
+
+
+def _a(dimension: str) -> str:
+    return f"{'an' if dimension[0] in 'ai' else 'a'} {dimension}"
 
 
 def _wrong_unit(unit: str, dimension: str) -> str:
     if not unit:
-        return f"a text needs a unit; {_right(dimension)}"
+        return f"a text needs a unit; {_remedy(dimension)}"
     other = [name for name, units in UNITS.items() if unit in units]
     measures = f", a unit of {' or '.join(other)}" if other else ""
-    return f"unit '{unit}'{measures}; {_right(dimension)}"
+    return f"unit {shown(unit)}{measures}; {_remedy(dimension)}"
 
 
-def _right(dimension: str) -> str:
+def _remedy(dimension: str) -> str:
     units = UNITS[dimension]
     if not units:
         return "give a number"
     return f"give a number in {next(iter(units))}, or a text with a unit of {', '.join(units)}"
 
 
-def _shown(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."
+@dataclass(frozen=True)
+class Quantity:
+    """Type of a key whose value is a quantity.
+
+    Attributes
+    ----------
+    dimension : str
+        A key of `UNITS`.
+    least, above, most : float
+        Bounds, SI units; `least` and `most` are allowed, `above` is not. The largest amount is that of the dimension
+        where `most` is left out.
+    infinite : bool
+        ``inf`` is allowed.
+    """
+
+    dimension: str
+    least: float = -math.inf
+    above: float = -math.inf
+    most: float | None = None
+    infinite: bool = False
+
+    @property
+    def unit(self) -> str:
+        """The SI unit, empty for a number."""
+        return next(iter(UNITS[self.dimension]), "")
+
+    @property
+    def _range(self) -> tuple[float, float]:
+        most = LARGEST[self.dimension] if self.most is None else self.most
+        return max(self.least, -most), most
+
+    def read(self, value: object) -> float:
+        """Return the quantity in SI units; raise `ValueError` if it is of another dimension or out of bounds."""
+        number = parse(value, self.dimension)
+        least, most = self._range
+        if math.isinf(number) and not (self.infinite and number > 0.0):
+            raise ValueError(f"{shown(value)} must be finite")
+        if number <= self.above or number < least:
+            bound = f"above {self.above:g}" if math.isfinite(self.above) else f"at least {least:g}"
+            raise ValueError(f"{shown(value)} must be {bound} {self.unit}".rstrip())
+        if most < number < math.inf:
+            raise ValueError(f"{shown(value)} must be at most {most:g} {self.unit}".rstrip())
+        return number
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        least, most = self._range
+        lower = {"exclusiveMinimum": self.above} if math.isfinite(self.above) else {"minimum": least}
+        units = list(UNITS[self.dimension])
+        number = {"type": "number", **lower, "maximum": most, "description": f"{self.dimension}, {self.unit or 'SI'}"}
+        text = {
+            "type": "string",
+            "pattern": rf"^\s*({_NUMBER})\s*({'|'.join(map(_unit_pattern, units))})\s*$",
+            "description": f"a number with a unit of {', '.join(units)}" if units else "a number",
+        }
+        # editors that know JSON alone take the inf of TOML for null
+        infinite = [{"type": ["number", "null"], "exclusiveMinimum": sys.float_info.max, "description": "inf"}]
+        return {"anyOf": [number, text, *(infinite if self.infinite else [])], "unit": self.unit or "1"}
+
+
+def _unit_pattern(unit: str) -> str:
+    spaced = unit.replace(" ", r"(\s+|\s*·\s*)")
+    return spaced.replace("^2", r"(\^2|²)").replace("^-2", r"\^-2")
+
+
+@dataclass(frozen=True)
+class Vector:
+    """Type of a key whose value is a list of quantities.
+
+    Attributes
+    ----------
+    dimension : str
+        A key of `UNITS`.
+    count : int
+    """
+
+    dimension: str
+    count: int = 3
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        component = handler.generate_schema(Annotated[float, Quantity(self.dimension)])
+        components = core_schema.list_schema(component, min_length=self.count, max_length=self.count)
+        counted = core_schema.no_info_before_validator_function(self._counted, components)
+        return core_schema.no_info_after_validator_function(np.array, counted)
+
+    def _counted(self, value: object) -> object:
+        if not isinstance(value, list) or len(value) != self.count:
+            raise ValueError(f"{shown(value)}: give a list of {self.count} of {self.dimension}")
+        return value
+
+
+Time = Annotated[float, Quantity("time", least=0.0)]
+Lengths = Annotated[Floats, Vector("length")]
+Angles = Annotated[Floats, Vector("angle")]
+Velocities = Annotated[Floats, Vector("velocity")]
+AngularVelocities = Annotated[Floats, Vector("angular velocity")]

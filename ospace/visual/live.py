@@ -13,7 +13,7 @@ import numpy as np
 
 from ospace.model.state import State
 from ospace.scenario import Run, Scenario
-from ospace.scenario.running import Moment
+from ospace.scenario.runner import Moment
 from ospace.simulation.moving_frame import MovingFrame
 from ospace.visual import run_report
 from ospace.visual.server import LOOPBACK, Server

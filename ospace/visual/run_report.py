@@ -15,7 +15,7 @@ from ospace.files import replacing
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint
 from ospace.model.robot import SpaceRobot
-from ospace.scenario import Run, Scenario, log, series, words
+from ospace.scenario import Run, Scenario, log, series, summary_text
 from ospace.visual import page, plots
 from ospace.visual.scene import Records, Scene
 
@@ -50,7 +50,7 @@ def render(run: Run) -> str:
         template="run.html",
         report_style=page.own_text("report.css"),
         report_script=page.own_text("report.js"),
-        words=words,
+        summary_text=summary_text,
         run=run,
         remarks=list(_remarks(run)),
         panels=[plots.svg(one, run.phases, dark=dark) for one in curves.values()],
@@ -65,9 +65,11 @@ def scene_of(scenario: Scenario) -> Scene:
     tasks = [task for phase in scenario.phases for task in phase.tasks]
     points: list[OperationalPoint] = []
     for task in tasks:
-        if task.point in robot.frame_names:
-            point = robot.point(str(task.point), offset=task.offset)
-            if not any(point.frame == one.frame and point.placement == one.placement for one in points):
+        if task.frames.get("point") in robot.frame_names:
+            point = task.point_of(robot)
+            if point is not None and not any(
+                point.frame == one.frame and point.placement == one.placement for one in points
+            ):
                 points.append(point)
     scene = Scene(robot, points or None)
     if target is not None:
@@ -132,7 +134,7 @@ def _remarks(run: Run) -> Iterator[str]:
     for phase in run.phases:
         if phase.reason:
             yield f"{phase.name}: {phase.reason}"
-        yield from words.remarks(phase)
+        yield from summary_text.remarks(phase)
     if run.not_begun:
         yield f"not begun: {', '.join(run.not_begun)}"
-    yield f"limits of joints exceeded: {words.exceeded(run.exceeded)}"
+    yield f"limits of joints exceeded: {summary_text.exceeded(run.exceeded)}"

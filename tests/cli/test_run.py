@@ -18,7 +18,7 @@ import pytest
 
 import ospace
 from ospace.cli.main import main
-from ospace.scenario import log, running
+from ospace.scenario import log, runner
 
 ROOT = Path(ospace.__file__).parents[1]
 SECONDS = 120
@@ -283,8 +283,8 @@ def interrupt_after(monkeypatch):
                 os.kill(os.getpid(), signal.SIGINT)
             return honest(self, time)
 
-        honest = running._Conductor.stepped
-        monkeypatch.setattr(running._Conductor, "stepped", stepped)
+        honest = runner._Conductor.stepped
+        monkeypatch.setattr(runner._Conductor, "stepped", stepped)
 
     return call
 

@@ -10,7 +10,7 @@ import pinocchio as pin
 import pytest
 
 import ospace
-from ospace.scenario import log, recording, running, series
+from ospace.scenario import cycle_log, log, runner, series
 
 
 @pytest.fixture(scope="module")
@@ -228,7 +228,7 @@ def test_sigma_min_by_the_generalized_jacobian(run):
 
 
 def test_sigma_min_does_not_depend_on_how_many_are_taken_at_once(run, monkeypatch, tmp_path):
-    monkeypatch.setattr(recording, "_AT_ONCE", 7)
+    monkeypatch.setattr(cycle_log, "_AT_ONCE", 7)
     again = missions.flown(tmp_path)
     for one, other in zip(run.phases, again.phases, strict=True):
         for task, values in one.sigma_min.items():
@@ -270,14 +270,14 @@ def test_offsets_from_a_frame_have_names_of_their_own(tmp_path):
 
 @pytest.mark.parametrize("when", [0.0, 0.001, 0.1])
 def test_what_was_run_until_an_interrupt_can_be_logged(tmp_path, monkeypatch, when):
-    honest = running.Controller.update
+    honest = runner.Controller.update
 
     def update(self, time, q, v):
         if time >= when:
             raise KeyboardInterrupt
         return honest(self, time, q, v)
 
-    monkeypatch.setattr(running.Controller, "update", update)
+    monkeypatch.setattr(runner.Controller, "update", update)
     run = missions.flown(tmp_path)
     assert run.interrupted
     read = log.load(log.save(run, tmp_path / "out.npz"))
@@ -291,7 +291,7 @@ def test_an_interrupt_when_the_run_is_over_leaves_a_log(tmp_path, monkeypatch):
     def interrupted(self):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(recording.Recording, "sigma_min", property(interrupted))
+    monkeypatch.setattr(cycle_log.CycleLog, "sigma_min", property(interrupted))
     run = missions.flown(tmp_path)
     assert run.interrupted
     read = log.load(log.save(run, tmp_path / "out.npz"))

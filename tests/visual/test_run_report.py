@@ -81,7 +81,7 @@ def test_what_a_log_holds_of_a_segment_is_that_of_its_robot(grasped):
     for phase in grasped.phases:
         for task, values in phase.sigma_min.items():
             own = next(one for one in grasped.scenario.phases if one.name == phase.name)
-            point = next(one.point for one in own.tasks if one.name == task)
+            point = next(one.frames.get("point") for one in own.tasks if one.name == task)
             if phase.segment != held or point not in robot.frame_names:
                 continue
             for k in np.linspace(0, len(values) - 1, 5, dtype=int):

@@ -1,4 +1,4 @@
-"""What is taken down of each control cycle of a phase, and what it comes to when the phase is over."""
+"""Record each control cycle of a phase, and reduce the records when the phase is over."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ class _Cycle:
     taken: float
 
 
-class Recording:
-    """Takes down the commands of a controller.
+class CycleLog:
+    """Records the commands of a controller.
 
     Attributes
     ----------
@@ -54,8 +54,8 @@ class Recording:
     def __len__(self) -> int:
         return len(self._cycles)
 
-    def take(self, time: float, q: Floats, command: Command) -> None:
-        """Take down one cycle, at `time` (s) in the configuration `q`."""
+    def record(self, time: float, q: Floats, command: Command) -> None:
+        """Record one cycle, at `time` (s) in the configuration `q`."""
         if self._about_points:
             self._waiting.append((command.generalized_jacobian, q.copy()))
         if len(self._waiting) == _AT_ONCE:

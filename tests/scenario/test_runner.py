@@ -9,7 +9,7 @@ import pytest
 
 import ospace
 from ospace import scenario
-from ospace.scenario import log, motion, result, running
+from ospace.scenario import log, motion, result, runner
 from ospace.simulation import Certificate, Conserved, grasp, rigid_body, tumbling
 
 SHORT = """
@@ -159,11 +159,11 @@ def test_a_wrong_impulse_is_seen(monkeypatch):
         held = grasp(*given)
         v = held.state.v.copy()
         v[6] += 1e-3
-        return running.replace(held, state=held.state.robot.state(held.state.q, v))
+        return runner.replace(held, state=held.state.robot.state(held.state.q, v))
 
-    monkeypatch.setattr(running, "grasp", wrong)
+    monkeypatch.setattr(runner, "grasp", wrong)
     made = scenario.load(ospace.models.scenario("detumble"))
-    run = scenario.run(running.replace(made, phases=made.phases[:2]))
+    run = scenario.run(runner.replace(made, phases=made.phases[:2]))
     assert not run.certificate["grasp momentum"].passed or not run.certificate["grasp energy"].passed
     assert not run.passed
 
@@ -281,14 +281,14 @@ def test_a_task_of_all_phases_follows_the_target_anew_after_its_release(made):
 
 
 def test_a_simulation_that_fails_keeps_what_was_run(made, monkeypatch):
-    honest = running.Controller.update
+    honest = runner.Controller.update
 
     def update(self, time, q, v):
         if time > 0.2:
             raise ospace.OspaceError("something is wrong")
         return honest(self, time, q, v)
 
-    monkeypatch.setattr(running.Controller, "update", update)
+    monkeypatch.setattr(runner.Controller, "update", update)
     run = scenario.run(made(SHORT))
     assert [phase.outcome for phase in run.phases] == ["complete", "failed"]
     assert run.phases[1].reason == "something is wrong"
@@ -297,14 +297,14 @@ def test_a_simulation_that_fails_keeps_what_was_run(made, monkeypatch):
 
 def test_a_phase_that_cannot_begin(made, monkeypatch):
     """The one before it stays complete."""
-    honest = running.Start.reference
+    honest = runner.Start.reference
 
     def reference(start, plan):
         if plan.name == "tip":
             raise ospace.OspaceError("nothing to follow")
         return honest(start, plan)
 
-    monkeypatch.setattr(running.Start, "reference", reference)
+    monkeypatch.setattr(runner.Start, "reference", reference)
     run = scenario.run(made(SHORT))
     assert [phase.outcome for phase in run.phases] == ["complete", "failed"]
     assert run.phases[1].reason == "nothing to follow"
@@ -380,6 +380,6 @@ def test_a_grasp_whose_balance_cannot_be_computed_fails(speed, spoilt):
     held = grasp(chaser, bodies[0].point("chaser"), target, bodies[1].point("target"))
     moving = tumbling(bodies[1], pin.SE3.Identity(), (0.0, 0.0, speed))
     with np.errstate(over="ignore", invalid="ignore"):
-        lines = running.conserved_in_grasp(chaser, moving, dataclasses.replace(held, **spoilt), 0.0)
+        lines = runner.conserved_in_grasp(chaser, moving, dataclasses.replace(held, **spoilt), 0.0)
     assert not lines[1].passed
     assert np.isnan(lines[1].error)

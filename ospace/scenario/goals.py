@@ -12,8 +12,8 @@ from ospace.control.references import Reference
 from ospace.kernels.tasks import tables as kernel
 from ospace.kernels.tree import Floats
 from ospace.model.robot import SpaceRobot
-from ospace.scenario.description import Follow, Hold, Shift, TaskPlan, ToMomentum, ToPose
 from ospace.scenario.motion import Approach, FreeMotion, Goal, point_motion, still
+from ospace.scenario.schema import Follow, Hold, Shift, TaskTable, ToMomentum, ToPose
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,9 +27,9 @@ class Start:
     period: float
     target: FreeMotion | None
 
-    def reference(self, plan: TaskPlan) -> Reference | None:
+    def reference(self, plan: TaskTable) -> Reference | None:
         """Return what the task follows; None for one that follows nothing."""
-        goal = plan.goal
+        goal = plan.followed
         if goal is None:
             return None
         if isinstance(goal, ToMomentum):
@@ -42,7 +42,7 @@ class Start:
         if isinstance(goal, Follow):
             if self.target is None:
                 raise AssertionError("a target that is held is not followed: refused when the scenario was read")
-            point = self.target.robot.point(goal.frame, offset=goal.offset)
+            point = self.target.robot.point(goal.follow, offset=goal.offset.pose)
             return self._approach(plan, pose, velocity, self.target.frame(point), goal.duration)
         if goal.duration == 0.0:
             return Constant(self._goal(plan, pose, np.zeros(6))[0])
@@ -51,7 +51,7 @@ class Start:
 
     def _approach(
         self,
-        plan: TaskPlan,
+        plan: TaskTable,
         pose: pin.SE3,
         velocity: Floats,
         goal: Goal,
@@ -63,9 +63,9 @@ class Start:
             Approach(pose, velocity, goal, duration=duration, first=first, period=period, turn=turn, name=plan.name)
         )
 
-    def _goal(self, plan: TaskPlan, pose: pin.SE3, velocity: Floats) -> tuple[pin.SE3, Floats | None]:
+    def _goal(self, plan: TaskTable, pose: pin.SE3, velocity: Floats) -> tuple[pin.SE3, Floats | None]:
         """Return where a goal that stays is; and by which rotation vector it is reached, if that is known."""
-        goal = plan.goal
+        goal = plan.followed
         if isinstance(goal, ToPose):
             there = pin.SE3(
                 pose.rotation if goal.rotation is None else goal.rotation,
@@ -79,7 +79,7 @@ class Start:
             shift, turn = way[:3], way[3:]
         return pin.SE3(pin.exp3(turn) @ pose.rotation, pose.translation + shift), turn
 
-    def _now(self, plan: TaskPlan) -> tuple[pin.SE3, Floats]:
+    def _now(self, plan: TaskTable) -> tuple[pin.SE3, Floats]:
         """Return the pose that the task would hold, and its velocity where it is that of one point."""
         model, data = self.robot.model, self.robot.model.createData()
         task = plan.task(self.robot)

@@ -16,11 +16,11 @@ from ospace.control.references import Reference
 from ospace.kernels.tree import Floats
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
-from ospace.scenario.description import Follow, GraspPlan, PhasePlan, Release, Scenario
+from ospace.scenario.cycle_log import CycleLog
+from ospace.scenario.goals import Start
 from ospace.scenario.motion import FreeMotion
-from ospace.scenario.recording import Recording
-from ospace.scenario.references import Start
 from ospace.scenario.result import Contact, Outcome, PhaseResult, Run, Segment, worst
+from ospace.scenario.schema import Follow, GraspTable, PhaseTable, Scenario
 from ospace.simulation import Certificate, Conserved, Grasp, Trajectory, grasp, simulate
 from ospace.simulation.certificate import relative
 from ospace.simulation.errors import SimulationError
@@ -68,11 +68,11 @@ def run(
 class _Phase:
     """A phase on its way."""
 
-    def __init__(self, plan: PhasePlan, scenario: Scenario, start: Start, shared: dict[str, Reference]) -> None:
+    def __init__(self, plan: PhaseTable, scenario: Scenario, start: Start, shared: dict[str, Reference]) -> None:
         self.plan, self.first, self.period = plan, start.cycle, start.period
         tasks, self._ways = [], []
         for one in plan.tasks:
-            own = one.key.startswith(plan.key)
+            own = plan.owns(one)
             reference = start.reference(one) if own else shared.get(one.name)
             if reference is None:
                 reference = start.reference(one)
@@ -92,14 +92,14 @@ class _Phase:
         self.controller.warm_up()
         self._awaited = [task.name for task in tasks if task.completion is not None]
         self._earliest = plan.earliest
-        self.recording = Recording(self.controller)
+        self.cycles = CycleLog(self.controller)
         self.outcome: Outcome | None = None
 
     def update(self, cycle: int, time: float, q: Floats, v: Floats) -> Command:
         for way in self._ways:
             way(time)  # where a target moves to is computed ahead, and no part of the control cycle
         command = self.controller.update(time, q, v)
-        self.recording.take(time, q, command)
+        self.cycles.record(time, q, command)
         elapsed = (cycle + 1 - self.first) * self.period  # when this command has acted
         if elapsed >= self._earliest - _ROUNDING and all(self.controller.completed(one) for one in self._awaited):
             self.outcome = "complete"
@@ -114,7 +114,7 @@ class _Phase:
         if outcome == "timed out":
             open_ = [one for one in self._awaited if not self.controller.completed(one)]
             reason = f"not complete after {self.plan.timeout:g} s: {', '.join(open_) or 'its motions take longer'}"
-        recording = self.recording
+        cycles = self.cycles
         return PhaseResult(
             name=self.plan.name,
             segment=segment,
@@ -122,14 +122,14 @@ class _Phase:
             end=end,
             outcome=outcome,
             reason=reason,
-            time=recording.time,
-            errors=recording.errors,
-            statuses=dict(recording.statuses),
-            active_limits=dict(recording.active_limits),
-            near_singularity=dict(recording.near_singularity),
-            cycle_time=recording.cycle_time,
-            sigma_min=recording.sigma_min,
-            poses=recording.poses,
+            time=cycles.time,
+            errors=cycles.errors,
+            statuses=dict(cycles.statuses),
+            active_limits=dict(cycles.active_limits),
+            near_singularity=dict(cycles.near_singularity),
+            cycle_time=cycles.cycle_time,
+            sigma_min=cycles.sigma_min,
+            poses=cycles.poses,
         )
 
 
@@ -161,7 +161,7 @@ class _Running:
         try:
             while plans:
                 segment = [plans.pop(0)]
-                while plans and segment[-1].action is None:
+                while plans and not segment[-1].changes_robot:
                     segment.append(plans.pop(0))
                 if not self._segment(segment) or not self._act(segment[-1]):
                     break
@@ -193,7 +193,7 @@ class _Running:
 
     # -- one segment -----------------------------------------------------------------------------------------
 
-    def _segment(self, plans: list[PhasePlan]) -> bool:
+    def _segment(self, plans: list[PhaseTable]) -> bool:
         """Run the phases up to the next grasp or release; return whether all are complete."""
         robot = self.state.robot
         conductor = _Conductor(self, robot, plans)
@@ -224,13 +224,13 @@ class _Running:
         self.interrupted = trajectory.interrupted
         segment = len(self.segments) - 1
         for k, phase in enumerate(phases):
-            if phase.recording:
-                over = k + 1 < len(phases) and phases[k + 1].recording
+            if phase.cycles:
+                over = k + 1 < len(phases) and phases[k + 1].cycles
                 result = phase.result(segment, phases[k + 1].first * self.period if over else end)
                 if failure and phase.outcome is None:
                     result = replace(result, outcome="failed", reason=failure)
                 self.results.append(result)
-        begun = [phase for phase in phases if phase.recording]
+        begun = [phase for phase in phases if phase.cycles]
         going_on = not begun or begun[-1].outcome == "complete"
         if (failure or trajectory.interrupted) and going_on and len(begun) < len(plans):
             self.results.append(_nothing(plans[len(begun)], segment, end, failure))
@@ -249,19 +249,19 @@ class _Running:
 
     # -- between segments ------------------------------------------------------------------------------------
 
-    def _act(self, plan: PhasePlan) -> bool:
+    def _act(self, plan: PhaseTable) -> bool:
         """Do what ends a phase; return whether the run can go on."""
-        if isinstance(plan.action, Release) and self.held is not None:
+        if plan.release and self.held is not None:
             self.state, target = self.held.release(self.state.q, self.state.v)
             self.held, self.target = None, self._free(target)
             for task in (task for phase in self.scenario.phases for task in phase.tasks):
-                if isinstance(task.goal, Follow):
+                if isinstance(task.followed, Follow):
                     self.shared.pop(task.name, None)  # it followed the target as it moved before the grasp
-        elif isinstance(plan.action, GraspPlan) and self.target is not None:
-            return self._grasp(plan.action, self.target)
+        elif plan.grasp is not None and self.target is not None:
+            return self._grasp(plan.grasp, self.target)
         return True
 
-    def _grasp(self, plan: GraspPlan, free: FreeMotion) -> bool:
+    def _grasp(self, plan: GraspTable, free: FreeMotion) -> bool:
         chaser, target = self.state, free.state(self.cycle)
         held = grasp(chaser, chaser.robot.point(plan.hand), target, target.robot.point(plan.fixture))
         last = self.results[-1]
@@ -280,7 +280,7 @@ class _Running:
         return True
 
 
-def _nothing(plan: PhasePlan, segment: int, time: float, failure: str) -> PhaseResult:
+def _nothing(plan: PhaseTable, segment: int, time: float, failure: str) -> PhaseResult:
     """Return the result of a phase without a cycle."""
     outcome: Outcome = "failed" if failure else "interrupted"
     return PhaseResult(plan.name, segment, time, time, outcome, failure, np.zeros(0), {}, {}, {}, {}, np.zeros(0))
@@ -289,7 +289,7 @@ def _nothing(plan: PhasePlan, segment: int, time: float, failure: str) -> PhaseR
 class _Conductor:
     """The controller of a segment: hands over from phase to phase."""
 
-    def __init__(self, running: _Running, robot: SpaceRobot, plans: list[PhasePlan]) -> None:
+    def __init__(self, running: _Running, robot: SpaceRobot, plans: list[PhaseTable]) -> None:
         self._running, self._robot, self._plans = running, robot, plans
         self._cycle, self._steps = running.cycle, 0
         self._wheels = running.wheels

@@ -1,0 +1,146 @@
+"""From a TOML file to a `Scenario`: all problems are reported together, each by its key."""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ospace import models
+from ospace.exceptions import OspaceError
+from ospace.model.joint_positions import Position
+from ospace.model.robot import SpaceRobot
+from ospace.model.state import State
+from ospace.scenario.errors import ScenarioError
+from ospace.scenario.rehearsal import rehearse
+from ospace.scenario.schema import POSITIONS, RATES, BodyTable, RobotTable, Scenario, ScenarioTable, TargetTable
+from ospace.scenario.table import Problem
+from ospace.simulation import rigid_body, tumbling
+
+_LARGEST_FILE = 1_000_000
+
+
+def load(path: str | os.PathLike[str]) -> Scenario:
+    """Read a scenario.
+
+    Parameters
+    ----------
+    path : path-like
+        A TOML file; its schema is in ``docs/scenario.md``.
+
+    Returns
+    -------
+    Scenario
+
+    Raises
+    ------
+    ScenarioError
+        The file cannot be read, or the scenario cannot run: carries all problems, by key.
+    """
+    file = Path(path)
+    source = _text(file)
+    try:
+        data = tomllib.loads(source)
+    except ValueError as error:  # also a whole number of more digits than Python reads
+        raise ScenarioError(file, [("", f"is not TOML: {error}")]) from None
+    except RecursionError:
+        raise ScenarioError(file, [("", "is not a scenario: values are nested too deep")]) from None
+    read = ScenarioTable.model_validate(data)
+    tables = list(read.tables())
+    problems = [problem for table in tables for problem in table.problems()]
+    robots = _Robots(file.parent, problems)
+    start = robots.chaser(read.robot) if isinstance(read.robot, RobotTable) else None
+    target = None if read.target is None else robots.target(read.target)
+    if start is None:
+        raise ScenarioError(file, problems)
+    base, name = read.robot.make_base(), read.name or file.stem
+    made = Scenario(file, source, name, start, target, base, read.limits, read.control, tuple(read.phase))
+    rehearse(made, problems, target_known="target" not in read.model_fields_set or target is not None)
+    if problems:
+        raise ScenarioError(file, problems)
+    return made
+
+
+def _text(file: Path) -> str:
+    try:
+        with file.open("rb") as opened:
+            content = opened.read(_LARGEST_FILE + 1)
+    except OSError as error:
+        raise ScenarioError(file, [("", error.strerror or str(error))]) from None
+    if len(content) > _LARGEST_FILE:
+        raise ScenarioError(file, [("", f"is larger than {_LARGEST_FILE // 1_000_000} MB: no scenario is")])
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ScenarioError(file, [("", f"is not UTF-8 text: {error.reason} at byte {error.start}")]) from None
+
+
+class _Robots:
+    """Makes the robots of a scenario in their states; what is wrong goes to `problems`, and None comes back."""
+
+    def __init__(self, folder: Path, problems: list[Problem]) -> None:
+        self.folder, self.problems = folder, problems
+
+    def chaser(self, table: RobotTable) -> State | None:
+        """Return the chaser's state at the start."""
+        robot = self._model(table.model, table.path("model"))
+        if robot is None:
+            return None
+        positions, wrong = POSITIONS.read(table.joints, robot, table.path("joints"))
+        rates, wrong_rates = RATES.read(table.joint_rates, robot, table.path("joint_rates"))
+        self.problems += wrong + wrong_rates
+        v, R = np.zeros(robot.nv), table.pose.rotation
+        v[:3], v[3:6] = R.T @ table.velocity, R.T @ table.angular_velocity
+        for name, rate in rates.items():
+            v[robot.model.idx_vs[2 + robot.joint_names.index(name)]] = rate
+        try:
+            return robot.state(robot.configuration(_all_joints(robot, positions), table.pose), v)
+        except OspaceError as error:
+            self.problems.append((table.key, str(error)))
+            return None
+
+    def target(self, table: TargetTable) -> State | None:
+        """Return the target's state at the start."""
+        robot = self._model(table.model, table.path("model")) if table.model else self._body(table.body)
+        if robot is None:
+            return None
+        positions, wrong = POSITIONS.read(table.joints, robot, table.path("joints"))
+        self.problems += wrong
+        try:
+            return tumbling(robot, table.pose, table.spin, table.velocity, _all_joints(robot, positions))
+        except OspaceError as error:
+            self.problems.append((table.key, str(error)))
+            return None
+
+    def _model(self, given: str, key: str) -> SpaceRobot | None:
+        """Read a file beside the scenario, or a robot that comes with ospace."""
+        if not given:
+            return None
+        file = self.folder / given
+        try:
+            if not os.path.lexists(file) and Path(given).name == given and not Path(given).suffix:
+                file = models.path(given)
+            return SpaceRobot.from_urdf(file)
+        except OspaceError as error:
+            self.problems.append((key, str(error)))
+            return None
+
+    def _body(self, table: BodyTable | None) -> SpaceRobot | None:
+        if table is None or any(key.startswith(table.key) for key, _ in self.problems):
+            return None
+        frames = {name: frame.pose for name, frame in table.frames.items()}
+        try:
+            return rigid_body(table.mass, table.inertia, table.mass_centre, name=table.name, frames=frames)
+        except OspaceError as error:
+            self.problems.append((table.key, str(error)))
+            return None
+
+
+def _all_joints(robot: SpaceRobot, positions: Mapping[str, float]) -> dict[str, Position]:
+    """Return positions of all joints: those given, and of the others one inside their limits."""
+    others: dict[str, Any] = robot.joint_positions(robot.neutral())
+    return others | dict(positions)
