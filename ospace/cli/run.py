@@ -82,7 +82,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
         compile_kernels()
         scenario = load(file)
     if given.check:
-        return 0, _valid(scenario, given.scenario)
+        return 0, _valid(scenario, given.scenario, _rehearsed(given, scenario))
     output.writable(given.log, given.html)
     if given.csv:
         given.csv.mkdir(parents=True, exist_ok=True)
@@ -103,6 +103,12 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     if not all(done):
         return EXIT_USAGE, ""
     return 0 if result.passed else EXIT_FINDINGS, ""
+
+
+def _rehearsed(given: argparse.Namespace, scenario: Scenario) -> str:
+    from ospace.scenario import rehearse
+
+    return rehearse(scenario, _seldom(lambda tenths: given.refuse_if_interrupted()))
 
 
 def _run(given: argparse.Namespace, scenario: Scenario, watch: Any) -> Run:
@@ -169,17 +175,19 @@ def _throttled(advance: Any) -> Any:
 # -- what people read --------------------------------------------------------------------------------------------
 
 
-def _valid(scenario: Scenario, name: str) -> str:
+def _valid(scenario: Scenario, name: str, not_rehearsed: str) -> str:
     from ospace.model.joint_positions import excess_text
 
     phases = ", ".join(phase.name for phase in scenario.phases)
     longest = sum(phase.timeout for phase in scenario.phases)
-    outside = [
+    remarks = [
         f"{who} starts outside limits of joints: {excess_text(state.robot.model, beyond)}\n"
         for who, state in (("robot", scenario.start), ("target", scenario.target))
         if state is not None and (beyond := state.robot.outside_limits(state.q))
     ]
-    return f"{scenario.name}\nphases: {phases}; at most {longest:g} s\n{''.join(outside)}valid: {name}\n"
+    if not_rehearsed:
+        remarks.append(f"not rehearsed: {not_rehearsed}\n")
+    return f"{scenario.name}\nphases: {phases}; at most {longest:g} s\n{''.join(remarks)}valid: {name}\n"
 
 
 def _text(result: Run, name: str) -> str:

@@ -1,6 +1,7 @@
 """Scenarios: a robot, a target and phases, from a TOML file to a run with its certificate."""
 
 from ospace.scenario import log, series
+from ospace.scenario.coarse_run import rehearse
 from ospace.scenario.errors import ScenarioError
 from ospace.scenario.load import load
 from ospace.scenario.motion import Approach, FreeMotion
@@ -20,6 +21,7 @@ __all__ = [
     "TaskErrors",
     "load",
     "log",
+    "rehearse",
     "run",
     "series",
 ]

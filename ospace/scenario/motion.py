@@ -10,14 +10,13 @@ turn E_1 brings the point from where it is to where the goal was, and E_2 makes 
 the turn φ from the goal to the point at the start, the rate Ω = −Gᵀ ω_G at the start, and the quintic r(t) that starts
 with rate 1 and ends at rest, both zero,
 
-    R = F E_1 G E_2,     E_1 = exp((1 − s) φ),     E_2 = exp(χ),     χ = r Ω + (1 − s) 2π k Ω/|Ω|
+    R = F E_1 G E_2,     E_1 = exp((1 − s) φ),     E_2 = exp(χ),     χ = r Ω
     ω = ω_0 + F w,       w = −ṡ φ + E_1 y,         y = ω_G + G χ̇
     α = F ẇ + ω_0 × F w,     ẇ = −s̈ φ − ṡ φ × E_1 y + E_1 ẏ,     ẏ = ω̇_G + ω_G × G χ̇ + G χ̈
 
 Position and velocity start with those of the point, and position, velocity and acceleration end with those of the goal:
-at contact hand and fixture move as one. Only the turn at the start is a logarithm, so the goal may turn as far and as
-often as it likes. Of its turns meanwhile the point leaves out k whole ones, so that it makes half a turn at most beyond
-its own motion: joints have limits. Where the turn to make is given, it is made in full, however long it is.
+at contact hand and fixture move as one. Only the turn at the start is a logarithm: from there on the point turns with
+the goal, by any angle and any number of turns. Where the turn to make is given, it is made in full, however long it is.
 """
 
 from __future__ import annotations
@@ -204,11 +203,7 @@ class Approach:
         at = goal(first, first + 1)
         R_g = at.rotation[0]
         self._turn = -(pin.log3(R_g @ pose.rotation.T) if turn is None else turn)
-        against = velocity[3:] - at.velocity[0, 3:]
-        speed = float(np.linalg.norm(against))
-        axis = against / speed if speed else np.zeros(3)
-        whole = np.round((speed * duration + self._turn @ axis) / (2.0 * np.pi)) if turn is None else 0.0
-        self._spin, self._left_out = R_g.T @ against, -2.0 * np.pi * whole * (R_g.T @ axis)
+        self._spin = R_g.T @ (velocity[3:] - at.velocity[0, 3:])
 
     def __call__(self, time: float) -> tuple[pin.SE3, npt.ArrayLike, npt.ArrayLike]:
         """Return pose, velocity and acceleration at a cycle's time, s."""
@@ -250,13 +245,11 @@ class Approach:
         r, r_2 = r * self._duration, r_2 / self._duration
         F = _exp(omega_0 * t)
         F_T = F.transpose(0, 2, 1)
-        E_1, G, E_2 = _exp((1.0 - s) * self._turn), F_T @ R_g, _exp(r * self._spin + (1.0 - s) * self._left_out)
-        chi_1, chi_2 = r_1 * self._spin - rate * self._left_out, r_2 * self._spin - curve * self._left_out
-        omega_G, setting_in = _turned(F_T, V_g[:, 3:] - omega_0), _turned(G, chi_1)
+        E_1, G, E_2 = _exp((1.0 - s) * self._turn), F_T @ R_g, _exp(r * self._spin)
+        omega_G, setting_in = _turned(F_T, V_g[:, 3:] - omega_0), _turned(G, r_1 * self._spin)
         y = _turned(E_1, omega_G + setting_in)
-        y_1 = (
-            _turned(F_T, A_g[:, 3:] - np.cross(omega_0, V_g[:, 3:])) + np.cross(omega_G, setting_in) + _turned(G, chi_2)
-        )
+        y_1 = _turned(F_T, A_g[:, 3:] - np.cross(omega_0, V_g[:, 3:])) + np.cross(omega_G, setting_in)
+        y_1 += _turned(G, r_2 * self._spin)
         w = _turned(F, y - rate * self._turn)
         w_1 = _turned(E_1, y_1) - curve * self._turn - np.cross(rate * self._turn, y)
         omega, alpha = omega_0 + w, _turned(F, w_1) + np.cross(omega_0, w)

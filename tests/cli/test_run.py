@@ -128,7 +128,8 @@ def test_check_runs_nothing(run, made):
     file = made(LONG)
     status, out, err = run(file, "--check")
     assert (status, err) == (0, "")
-    assert out == f"A short one\nphases: wait, a little, move; at most 1000.4 s\nvalid: {file}\n"
+    not_rehearsed = "not rehearsed: it may take 1000.4 s, of which 200 s are the most that is rehearsed"
+    assert out == f"A short one\nphases: wait, a little, move; at most 1000.4 s\n{not_rehearsed}\nvalid: {file}\n"
 
 
 @pytest.mark.parametrize("name", ospace.models.scenarios())
