@@ -108,7 +108,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
 def _rehearsed(given: argparse.Namespace, scenario: Scenario) -> str:
     from ospace.scenario import rehearse
 
-    return rehearse(scenario, _seldom(lambda tenths: given.refuse_if_interrupted()))
+    return rehearse(scenario, _throttled(lambda tenths: given.refuse_if_interrupted()))
 
 
 def _run(given: argparse.Namespace, scenario: Scenario, watch: Any) -> Run:
