@@ -18,7 +18,7 @@ from ospace.scenario import summary_text
 from ospace.scenario.errors import ScenarioError
 from ospace.scenario.result import PhaseResult
 from ospace.scenario.runner import run
-from ospace.scenario.schema import GraspPlan, PhasePlan, Scenario
+from ospace.scenario.schema import PhaseTable, Scenario
 
 _COARSEST = 0.01
 """Of a control cycle, s."""
@@ -75,12 +75,12 @@ def rehearse(scenario: Scenario, progress: Callable[[float], None] | None = None
     ):
         return ""
     where = f"{plan.key}.grasp" if grasps else plan.key
-    raise ScenarioError(scenario.path, [(where, _reason(scenario, second))])
+    raise ScenarioError(scenario.path, [(where, _reason(second))])
 
 
 def _coarse(scenario: Scenario) -> int:
     """Return how many control periods a coarse cycle has."""
-    stiffest = max(float(task.options.get("stiffness", 0.0)) for plan in scenario.phases for task in plan.tasks)
+    stiffest = max(task.stiffness for plan in scenario.phases for task in plan.tasks)
     rates = [math.sqrt(stiffest)] + [
         float(np.abs(state.v[3:]).max()) for state in (scenario.start, scenario.target) if state is not None
     ]
@@ -93,7 +93,7 @@ def _open(scenario: Scenario, cycle: int, progress: Callable[[float], None] | No
     """Return the phase that does not complete in cycles of so many periods."""
     plain = scenario.control
     period = cycle * plain.period
-    control = plain if cycle == 1 else replace(plain, period=period, step=period)
+    control = plain if cycle == 1 else plain.model_copy(update={"period": period, "step": period})
     result = run(replace(scenario, control=control), progress)
     if result.interrupted:
         raise KeyboardInterrupt
@@ -101,11 +101,11 @@ def _open(scenario: Scenario, cycle: int, progress: Callable[[float], None] | No
     return None if last.outcome == "complete" else last
 
 
-def _errors(plan: PhasePlan, phase: PhaseResult) -> Iterator[tuple[str, tuple[float, float]]]:
+def _errors(plan: PhaseTable, phase: PhaseResult) -> Iterator[tuple[str, tuple[float, float]]]:
     """Yield errors at the end, and what was to be had: of tasks, or of the grasp."""
-    if phase.grasp is not None and isinstance(plan.action, GraspPlan):
-        yield "grasp, position", (phase.grasp.position_error, plan.action.position)
-        yield "grasp, angle", (phase.grasp.angle_error, plan.action.angle)
+    if phase.grasp is not None and plan.grasp is not None:
+        yield "grasp, position", (phase.grasp.position_error, plan.grasp.position)
+        yield "grasp, angle", (phase.grasp.angle_error, plan.grasp.angle)
         return
     for task in plan.tasks:
         if task.completion is not None and task.name in phase.errors:
@@ -114,7 +114,7 @@ def _errors(plan: PhasePlan, phase: PhaseResult) -> Iterator[tuple[str, tuple[fl
             yield f"{task.name}, angle", (float(angular), task.completion.angle)
 
 
-def _reason(scenario: Scenario, phase: PhaseResult) -> str:
+def _reason(phase: PhaseResult) -> str:
     ends = ", ".join(f"'{name}' ends {last} off" for name, _, last in summary_text.tasks(phase) if name in phase.reason)
     limits = ", ".join(sorted(phase.active_limits, key=lambda one: -phase.active_limits[one])[:3])
     parts = [f"phase '{phase.name}' fails in a rehearsal", phase.reason, ends, limits and f"limits reached: {limits}"]
