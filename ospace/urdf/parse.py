@@ -81,6 +81,8 @@ _DYNAMIC = {
 }
 _PHYSICAL = {"inertial", "origin", "mass", "inertia", "axis", "limit", "dynamics", "mimic", "parent", "child"}
 """Elements that place, weigh, move or limit a body: what is not used of them is a warning at least."""
+_PLACING = {"pose", "transform", "placement", "frame", "offset", "center_of_mass", "com", "scale", "unit", "units"}
+"""Names under which other formats place, weigh or scale a body."""
 _LISTED, _SHOWN = 200, 40  # findings of one kind, characters of a text
 _SHORT = 4  # characters
 _SLIP = 2  # characters by which a misspelt name may be longer or shorter
@@ -473,7 +475,11 @@ class _Parser:
             and self._report_dynamics(element, of_robot=True)
         ):
             return
-        elif tag in _PHYSICAL or not (tag == "geometry" or name.startswith("{")):  # shapes are looked at where read
+        elif (
+            tag in _PHYSICAL
+            or not (tag == "geometry" or name.startswith("{"))  # shapes are looked at where read
+            or (tag not in _DRAWN and _local(element).lower() in _DYNAMIC | _PLACING)
+        ):
             self._unknown("unknown-element", what, _local(element), tag, element)
 
     def _report_dynamics(self, element: etree._Element, *, of_robot: bool) -> bool:
@@ -491,7 +497,7 @@ class _Parser:
         """Take a name that URDF has elsewhere, or that is near to one it has here, for a slip; others are foreign."""
         near = self._near(code, name, tag)
         message = f"{what}; did you mean '{near}'?" if near else what
-        grave = near or tag in _PHYSICAL or name.lower() in _DYNAMIC or is_dynamics_name(name)
+        grave = near or tag in _PHYSICAL or name.lower() in _DYNAMIC | _PLACING or is_dynamics_name(name)
         self._report(code, message, element, name, None if grave else "info")
 
     def _near(self, code: str, name: str, tag: str) -> str:

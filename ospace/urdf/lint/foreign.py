@@ -20,15 +20,31 @@ _DYNAMICS = {
     "reduction",
     "gear",
     "gearbox",
+    "gearratio",
     "backlash",
+    "friction",
+    "stiction",
+    "coulomb",
+    "viscous",
+    "mass",
+    "density",
+    "slosh",
     "inertia",
     "inertial",
     "mimic",
 }
 _COUPLINGS = {"loop", "constraint", "equality", "coupling", "weld"}  # in <gazebo> these are settings of a solver
-_RATIOS = {"reduction", "gear", "gearbox"}  # of which 1 changes nothing, as 0 does of all others
+_RATIOS = {"reduction", "gear", "gearbox", "gearratio"}  # of which 1 changes nothing, as 0 does of all others
 _NO_DYNAMICS = {"implicit", "reference"}  # implicitSpringDamper chooses an integrator, springReference an angle
 _OF_CONTACTS = {"inertia"}  # stiffness and damping of <contact> are those of its surface; inertia_scaling is not
+_SURFACES = {
+    "surface",
+    "collision",
+    "contact",
+    "sensor",
+    "visual",
+}  # friction and stiffness there are those of contacts
+_SEEN_WITHIN = 7  # letters of a word that is seen in a name without gaps as well, as in motorinertia
 _MOST = 5
 
 
@@ -61,7 +77,7 @@ def is_dynamics_name(name: str) -> bool:
     -------
     bool
     """
-    return bool(_words(name) & (_DYNAMICS | _COUPLINGS))
+    return bool(_found(name, _DYNAMICS | _COUPLINGS))
 
 
 def _named(element: etree._Element, words: set[str]) -> Iterator[str]:
@@ -78,7 +94,8 @@ def _named(element: etree._Element, words: set[str]) -> Iterator[str]:
         yield f"<{name}> {value}".rstrip()
         return
     for child in element.iterchildren(etree.Element):
-        yield from _named(child, words)
+        if _local(child) not in _SURFACES:
+            yield from _named(child, words)
 
 
 def _joint(element: etree._Element) -> str | None:
@@ -93,14 +110,19 @@ def _joint(element: etree._Element) -> str | None:
 
 
 def _matters(name: str, value: str, words: set[str]) -> bool:
-    named = _words(name)
-    if not named & words or named & _NO_DYNAMICS:
+    named = _found(name, words)
+    if not named or _words(name) & _NO_DYNAMICS:
         return False
     try:
         number = float(value)
     except ValueError:
         return value.strip().lower() != "false"
     return number not in (0.0, 1.0 if named & _RATIOS else 0.0)
+
+
+def _found(name: str, words: set[str]) -> set[str]:
+    """Return those of the words that a name is made of."""
+    return _words(name) & words | {word for word in words if len(word) >= _SEEN_WITHIN and word in name.lower()}
 
 
 def _words(name: str) -> set[str]:

@@ -24,6 +24,12 @@ for name, element in {
     ),
     "spring in gazebo": GAZEBO.format("<springStiffness>3</springStiffness>"),
     "mass in gazebo": GAZEBO.format("<link name='fuel'><inertial><mass>3</mass></inertial></link>"),
+    "friction in gazebo": GAZEBO.format("<dynamics><friction>0.1</friction></dynamics>"),
+    "added mass in gazebo": GAZEBO.format("<mass>3</mass>"),
+    "rotor inertia in one word": SHOULDER.format("<motorinertia>1e-4</motorinertia>"),
+    "gear in one word": SHOULDER.format("<gearratio>50</gearratio>"),
+    "friction of a gear": SHOULDER.format("<coulomb_friction>0.2</coulomb_friction>"),
+    "slosh": '<fuel_slosh mass="3" frequency="0.1"/>',
     "damping in gazebo": GAZEBO.format("<dampingFactor>0.1</dampingFactor>"),
 }.items():
     variant(f"{name} is not used", ARM.replace("</robot>", f"{element}</robot>"), 0, "dynamics-not-used")
@@ -36,6 +42,8 @@ for name, element in {
     ),
     "solver of gazebo": GAZEBO.format("<physics><constraints/></physics>"),
     "stiffness of a contact": "<contact><stiffness value='30000'/><damping value='1000'/></contact>",
+    "friction of a surface": GAZEBO.format("<collision><surface><friction><ode/></friction></surface></collision>"),
+    "coefficients of gazebo's surface": GAZEBO.format("<mu1>0.2</mu1><kp>1e6</kp><maxVel>1</maxVel>"),
     "loop rate of a sensor": "<sensor><loop_rate>10</loop_rate><stiffness>3</stiffness></sensor>",
 }.items():
     variant(f"{name} is no dynamics", ARM.replace("</robot>", f"{element}</robot>"), 0)
@@ -46,3 +54,10 @@ variant(
     "dynamics-not-used",
 )
 variant("spring in a joint", ARM.replace("</joint>", "<spring stiffness='3'/></joint>"), 0, "dynamics-not-used")
+for name, part in {
+    "pose": "<pose>0 0 1 0 0 0</pose>",
+    "origin of a namespace": '<d:origin xmlns:d="http://example.org/d" xyz="0 0 1"/>',
+    "placement": '<placement xyz="0 0 1"/>',
+}.items():
+    variant(f"{name} in a joint", ARM.replace("</joint>", f"{part}</joint>"), 0, "unknown-element")
+variant("unit of a robot", ARM.replace("<robot ", '<robot units="mm" ', 1), 0, "unknown-attribute")

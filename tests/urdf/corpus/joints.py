@@ -63,7 +63,7 @@ variant("no velocity", ARM.replace(' velocity="1"', ""), 0, "effort-missing")
 variant("zero effort", ARM.replace('effort="10"', 'effort="0"'), 0, infos=["effort-zero"])
 variant("negative effort", ARM.replace('effort="10"', 'effort="-10"'), 1, "effort-negative")
 variant("negative velocity", ARM.replace('velocity="1"', 'velocity="-1"'), 1, "effort-negative")
-variant("negative damping", ARM.replace("</joint>", '<dynamics damping="-1"/></joint>'), 0, "damping-negative")
+variant("negative damping", ARM.replace("</joint>", '<dynamics damping="-1"/></joint>'), 1, "damping-negative")
 variant("negative friction", ARM.replace("</joint>", '<dynamics friction="-1"/></joint>'), 1, "friction-negative")
 variant("degrees", ARM.replace('lower="-1" upper="1"', 'lower="-180" upper="180"'), 0, "units-angle")
 MIMIC = robot(

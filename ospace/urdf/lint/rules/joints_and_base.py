@@ -110,9 +110,9 @@ JOINTS_AND_BASE = (
     ),
     Rule(
         name="damping-negative",
-        severity="warning",
+        severity="error",
         summary="The damping of a joint is negative.",
-        reason="The joint would drive itself, and a simulation gains energy.",
+        reason="The joint would drive itself: neither controllers nor simulations take it.",
         remedy="Give a positive coefficient.",
         example='<dynamics damping="-0.1"/>',
     ),
