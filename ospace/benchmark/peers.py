@@ -11,6 +11,7 @@ import pinocchio as pin
 
 from ospace.benchmark.timing import Way
 from ospace.dynamics.evaluator import OperationalSpaceEvaluator
+from ospace.dynamics.operational_space import OperationalSpace, operational_space
 from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint
@@ -96,6 +97,26 @@ class Pinocchio:
         J = np.vstack(self.jacobians(q, v))
         return J[:, 6:] + J[:, :6] @ J_b_star, H_m + H_bm.T @ J_b_star
 
+    def by_hand(self, q: Floats, v: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        """Γ_e⁻¹, Γ_e, μ and μ_e as one writes them on Pinocchio: crba, nonLinearEffects, Jacobians and LAPACK."""
+        model, data = self.model, self.data
+        upper = pin.crba(model, data, q, pin.Convention.WORLD)
+        H = np.triu(upper) + np.triu(upper, 1).T
+        h = pin.nonLinearEffects(model, data, q, v)
+        pin.forwardKinematics(model, data, q, v, self.no_torque)
+        drift = np.concatenate([self._acceleration(point) for point in self.points])
+        J = np.vstack(self.jacobians(q, v))
+        X = np.linalg.solve(H, np.column_stack([J.T, h]))
+        mobility, mu = J @ X[:, :-1], J @ X[:, -1] - drift
+        inertia = np.asarray(np.linalg.inv(mobility), dtype=np.float64)
+        return mobility, inertia, mu, inertia @ mu
+
+    def _acceleration(self, point: OperationalPoint) -> Floats:
+        a: Floats = pin.getFrameClassicalAcceleration(
+            self.model, self.data, point.joint, point.placement, _INERTIAL
+        ).vector
+        return a
+
     def _jacobian(self, point: OperationalPoint) -> Floats:
         J: Floats = pin.getFrameJacobian(self.model, self.data, point.joint, point.placement, _INERTIAL)
         return J
@@ -112,12 +133,7 @@ class Pinocchio:
         """ẍ_e when nothing acts, inertial axes."""
         a = pin.aba(self.model, self.data, q, v, self.no_torque)
         pin.forwardKinematics(self.model, self.data, q, v, a)
-        return np.concatenate(
-            [
-                pin.getFrameClassicalAcceleration(self.model, self.data, point.joint, point.placement, _INERTIAL).vector
-                for point in self.points
-            ]
-        )
+        return np.concatenate([self._acceleration(point) for point in self.points])
 
 
 def inverse_inertia(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> Contest:
@@ -173,12 +189,57 @@ def generalized(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> Contes
     return Contest("J_m*, H_m*, M_0", called, run.update, peer.generalized, results)
 
 
+def from_a_state(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> Contest:
+    """Γ_e⁻¹, Γ_e, μ and μ_e by `operational_space`, a new state each time."""
+    peer = Pinocchio(robot, points)
+
+    def ours(q: Floats, v: Floats) -> OperationalSpace:
+        return operational_space(robot.state(q, v), points)
+
+    def results(q: Floats, v: Floats) -> list[tuple[Floats, Floats]]:
+        found, (mobility, inertia, mu, mu_e) = ours(q, v), peer.by_hand(q, v)
+        return [
+            (found.inertia_inverse, mobility),
+            (found.inertia, inertia),
+            (found.bias_acceleration, mu),
+            (found.bias_force, mu_e),
+        ]
+
+    called = "pin.crba, nonLinearEffects, Jacobians, np.linalg"
+    return Contest("operational_space(robot.state(q, v), …)", called, ours, peer.by_hand, results)
+
+
+def read_only_input(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> Contest:
+    """Γ_e⁻¹ of read-only arrays, as `State.q` is, against the same of writable ones: in one state."""
+    run = OperationalSpaceEvaluator(robot, points, ("inertia_inverse",))
+    writable = robot.configuration(), np.zeros(robot.nv)
+    state = robot.state(*writable)
+    read_only = state.q, state.v
+
+    def results(q: Floats, v: Floats) -> list[tuple[Floats, Floats]]:
+        given = robot.state(q, v)
+        return [(run.update(given.q, given.v).inertia_inverse.copy(), run.update(q, v).inertia_inverse)]
+
+    called = "the same of writable q, v: no Pinocchio"
+    return Contest(
+        "Γ_e⁻¹ of read-only q, v",
+        called,
+        lambda q, v: run.update(*read_only),
+        lambda q, v: run.update(*writable),
+        results,
+    )
+
+
 CONTESTS: tuple[Callable[[SpaceRobot, Sequence[OperationalPoint]], Contest], ...] = (
     inverse_inertia,
     operational_space_terms,
     jacobian,
     generalized,
+    from_a_state,
+    read_only_input,
 )
+INVERTING = (operational_space_terms, from_a_state)
+"""Those whose other side inverts Γ_e⁻¹, which takes independent rows."""
 
 
 def spread_points(robot: SpaceRobot, count: int) -> list[OperationalPoint]:

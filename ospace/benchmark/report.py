@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 import ospace
-from ospace.benchmark import growth, peers
+from ospace.benchmark import codegen, growth, peers
 from ospace.benchmark.growth import Growth
 from ospace.benchmark.peers import Contest
 from ospace.benchmark.timing import WINDOWS, Ratio, States, Tick, window_times
@@ -29,6 +29,8 @@ from ospace.validation.sampling import random_state
 POINTS = (1, 2, 3, 4, 6)
 STATES = 32
 BATCH_POINTS = 3
+GENERATED_POINTS = 3
+"""C of more points takes minutes to compile."""
 
 
 @dataclass(frozen=True)
@@ -124,9 +126,10 @@ class Plan:
         return WINDOWS * (len(self.contests) + len(_BATCHES) + len(growth.SHAPES) * len(self.sizes))
 
 
-def prepare(robot: SpaceRobot, largest: int | None = None) -> Plan:
+def prepare(robot: SpaceRobot, largest: int | None = None, generate_from: Path | None = None) -> Plan:
     """Choose points, up to `largest` at once, and compare the results of both ways.
 
+    With `generate_from`, the robot's URDF file, Γ_e⁻¹ of up to three points is compared with generated C as well.
     Γ_e is left out where the rows of the points depend on each other, since Pinocchio's way has no inverse then.
 
     Raises
@@ -147,10 +150,17 @@ def prepare(robot: SpaceRobot, largest: int | None = None) -> Plan:
         for count in counts:
             points = peers.spread_points(robot, count)
             independent = operational_space(drawn[0], points).rank == 6 * count
-            if independent or make is not peers.operational_space_terms:
+            if make is peers.read_only_input and count != counts[0]:
+                continue  # what is given does not grow with the points
+            if independent or make not in peers.INVERTING:
                 contest = make(robot, points)
                 contest.check(states)
                 contests.append((count, contest))
+    for count in counts:
+        if generate_from is not None and count <= GENERATED_POINTS:
+            contest = codegen.inverse_inertia(robot, peers.spread_points(robot, count), generate_from)
+            contest.check(states)
+            contests.append((count, contest))
     return Plan(robot, states, tuple(contests))
 
 

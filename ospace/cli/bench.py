@@ -34,6 +34,9 @@ def add_to(verbs: Any) -> None:
     verb.add_argument("--points", metavar="N", type=_count, help="at most N operational points at once (default: 6)")
     verb.add_argument("--seconds", metavar="S", type=_seconds, default=1.0, help="time for each row (default: 1)")
     verb.add_argument("--free-mimic", action="store_true", help="release the coupling of mimic joints")
+    verb.add_argument(
+        "--codegen", action="store_true", help="also against C that CasADi generates; needs gcc, casadi, adam-robotics"
+    )
     verb.add_argument("--json", action="store_true", help="print one JSON document instead of tables")
     verb.add_argument("--plot", metavar="FILE", type=output.figure, help="write a plot: .svg, .png or .pdf")
     verb.set_defaults(run=run)
@@ -57,7 +60,7 @@ def _seconds(text: str) -> float:
 
 def run(given: argparse.Namespace) -> tuple[int, str]:
     """Measure; return the exit status and the text to print."""
-    from ospace.benchmark import plot, report
+    from ospace.benchmark import codegen, plot, report
     from ospace.cli import progress
     from ospace.cli.main import EXIT_USAGE, find
     from ospace.extras import require
@@ -65,12 +68,14 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
 
     if given.plot:
         require("matplotlib", "a plot")
+    if given.codegen:
+        codegen.require()
     file = find(given.urdf)
     output.distinct([file], [given.plot])
     output.writable(given.plot)
     robot = SpaceRobot.from_urdf(file, free_mimic=given.free_mimic)
     with progress.bar(given, "comparing results", 1):
-        plan = report.prepare(robot, given.points)
+        plan = report.prepare(robot, given.points, file if given.codegen else None)
     with progress.bar(given, "timing", plan.turns) as advance:
         result = report.run(plan, seconds=given.seconds, tick=_counted(advance))
     text = _document(result) if given.json else _text(result)
