@@ -45,9 +45,9 @@ class Generated:
 
     def __init__(self, robot: SpaceRobot, points: Sequence[OperationalPoint], urdf: Path) -> None:
         self._rows = 6 * len(points)
-        self._folder = tempfile.TemporaryDirectory()  # holds the library as long as it is in use
         expression = _inverse_inertia(robot, points, urdf)
-        self._function, sizes = _compiled(expression, Path(self._folder.name))
+        with tempfile.TemporaryDirectory() as folder:  # a library that is loaded needs its file no more
+            self._function, sizes = _compiled(expression, Path(folder))
         n_arg, n_res, n_iw, n_w = sizes
         self._arg, self._res = np.zeros(n_arg, dtype=np.int64), np.zeros(n_res, dtype=np.int64)
         self._iw, self._w = np.zeros(max(n_iw, 1), dtype=np.int64), np.zeros(max(n_w, 1))

@@ -206,7 +206,7 @@ def from_a_state(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> Conte
         ]
 
     called = "pin.crba, nonLinearEffects, Jacobians, np.linalg"
-    return Contest("operational_space(robot.state(q, v), …)", called, ours, peer.by_hand, results)
+    return Contest("operational_space(state)", called, ours, peer.by_hand, results)
 
 
 def read_only_input(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> Contest:

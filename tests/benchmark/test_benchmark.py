@@ -52,7 +52,7 @@ def test_a_difference_is_told_and_not_timed(chaser, make):
 
 def test_rows(result):
     shown = {(row.quantity, row.points) for row in result.rows}
-    names = ("Γ_e⁻¹", "Γ_e⁻¹, Γ_e, μ, μ_e", "J_e", "J_m*, H_m*, M_0", "operational_space(robot.state(q, v), …)")
+    names = ("Γ_e⁻¹", "Γ_e⁻¹, Γ_e, μ, μ_e", "J_e", "J_m*, H_m*, M_0", "operational_space(state)")
     assert shown == {(name, p) for name in names for p in (1, 2)} | {("Γ_e⁻¹ of read-only q, v", 1)}
     for row in (*result.rows, *result.batch):
         assert 0.0 < row.times.low <= row.times.ratio <= row.times.high
