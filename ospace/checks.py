@@ -86,3 +86,9 @@ def all_finite(results: tuple[Floats, ...], what: str) -> None:
     """Raise `OspaceError` if a result is not finite."""
     if not all(np.isfinite(result).all() for result in results):
         raise not_finite(what)
+
+
+def check_kind(given: object, kind: type, remedy: str) -> None:
+    """Raise `OspaceError` where an argument is not of its kind, such as a robot in the place of its state."""
+    if not isinstance(given, kind):
+        raise OspaceError(f"{given!r:.60} is not a {kind.__name__}: {remedy}")

@@ -156,3 +156,28 @@ def test_a_controller_may_know_its_robot_by_a_model_of_its_own(robot):
     controller = begun(copy.deepcopy(robot))
     run = ospace.simulate(robot, robot.configuration(), np.zeros(robot.nv), controller, duration=0.01)
     assert len(run) > 1
+
+
+@pytest.mark.parametrize("given", [None, 5, "state", "robot", "q"])
+def test_what_is_not_a_state_or_a_robot_is_refused(robot, given):
+    state = robot.state(robot.neutral())
+    point = robot.point("end_effector")
+    wrong = {"robot": robot, "q": state.q}.get(given, given)
+    for function in (ospace.momentum, ospace.joint_space_dynamics, ospace.generalized_dynamics):
+        with pytest.raises(ospace.OspaceError, match=r"is not a State: make it with robot\.state\(q, v\)"):
+            function(wrong)
+    for function in (ospace.generalized_jacobian, ospace.operational_space, ospace.free_floating):
+        with pytest.raises(ospace.OspaceError, match="is not a State"):
+            function(wrong, [point])
+    with pytest.raises(ospace.OspaceError, match="is not a State"):
+        grasp(wrong, point, state, point)
+    if wrong is robot:
+        wrong = state
+    for call in (
+        lambda: ospace.OperationalSpaceEvaluator(wrong, [point]),
+        lambda: ospace.operational_space_batch(wrong, [point], state.q[None]),
+        lambda: ospace.simulate(wrong, state.q, state.v, duration=0.1),
+        lambda: Controller(wrong, [PoseTask(name="tip", point=point)]),
+    ):
+        with pytest.raises(ospace.OspaceError, match="is not a SpaceRobot: read it with"):
+            call()

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
-from ospace.checks import checked_number, checked_vector
+from ospace.checks import check_kind, checked_number, checked_vector
 from ospace.control.base import Base, parse_base
 from ospace.control.command import Command, Layout, Status, Timing
 from ospace.control.completion import CompletionWatch
@@ -117,6 +117,7 @@ class Controller:
         wheel_momentum: npt.ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
         self.tasks = (tasks,) if isinstance(tasks, Task) else tuple(tasks)
+        check_kind(robot, SpaceRobot, "read it with SpaceRobot.from_urdf(path)")
         self.robot, self.period = robot, _above_zero("period", period)
         self.base, self.limits = parse_base(base), limits or JointLimits.of(robot)
         self._solver = solver

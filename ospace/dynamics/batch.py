@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from ospace.checks import checked_names, real_numbers
+from ospace.checks import check_kind, checked_names, real_numbers
 from ospace.dynamics.evaluator import BITS, OperationalSpaceEvaluator
 from ospace.dynamics.workspace import layout_of
 from ospace.exceptions import OspaceError
@@ -118,6 +118,7 @@ def operational_space_batch(
     Beyond the results, memory does not grow with N. States that the lanes cannot take, such as those with dependent
     rows, are computed one by one, by `OperationalSpaceEvaluator`.
     """
+    check_kind(robot, SpaceRobot, "read it with SpaceRobot.from_urdf(path)")
     given = points_of(robot, points)
     quantities = checked_names(quantities, QUANTITIES, "quantity")
     if out is not None and not isinstance(out, Mapping):

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ospace.checks import checked_names, checked_vector, not_finite
+from ospace.checks import check_kind, checked_names, checked_vector, not_finite
 from ospace.dynamics.workspace import Workspace
 from ospace.exceptions import OspaceError
 from ospace.kernels import evaluation
@@ -116,6 +116,7 @@ class OperationalSpaceEvaluator:
         points: OperationalPoint | Sequence[OperationalPoint],
         quantities: Sequence[str] = ("inertia_inverse", "inertia", "bias_acceleration", "bias_force"),
     ) -> None:
+        check_kind(robot, SpaceRobot, "read it with SpaceRobot.from_urdf(path)")
         self.robot, self.quantities = robot, checked_names(quantities, QUANTITIES, "quantity")
         self._want = _A_STATE
         for name in self.quantities:

@@ -75,8 +75,8 @@ def inverse_dynamics(state: State, acceleration: npt.ArrayLike) -> Floats:
     OspaceError
         `acceleration` has the wrong length or a number that is not finite; or the result is not finite.
     """
-    given = checked_vector(acceleration, state.robot.nv, "acceleration", state.robot.name)
     run = workspace.of(state)
+    given = checked_vector(acceleration, state.robot.nv, "acceleration", state.robot.name)
     # Seen from the frame that moves along with the base, its classical and its spatial acceleration are the same.
     if kernel.inverse_dynamics(given, run.memory):
         raise not_finite("the force")

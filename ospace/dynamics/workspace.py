@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ospace.checks import not_finite
+from ospace.checks import check_kind, not_finite
 from ospace.dynamics.ranges import inverse_on_range
 from ospace.exceptions import DependentRowsError, SingularInertiaError
 from ospace.kernels import evaluation as kernel
@@ -155,8 +155,9 @@ def of(state: State, points: OperationalPoint | Sequence[OperationalPoint] = _NO
     Raises
     ------
     OspaceError
-        No point where there are to be some, or another robot's.
+        Not a state; or no point where there are to be some, or another robot's.
     """
+    check_kind(state, State, "make it with robot.state(q, v)")
     given = _NO_POINTS if points is _NO_POINTS else points_of(state.robot, points)
     kept: OrderedDict[Any, Workspace] = vars(state.robot.local).setdefault("workspaces", OrderedDict())
     key = tuple([point.key for point in given])

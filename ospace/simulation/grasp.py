@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from ospace.checks import check_kind
 from ospace.dynamics.operational_space import operational_space
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint, check_owner
@@ -85,6 +86,8 @@ def grasp(chaser: State, hand: OperationalPoint, target: State, fixture: Operati
     `angle_error`. The combined robot keeps the chaser's base, joints and frames; names of the target that
     clash are prefixed with ``<target>/``.
     """
+    for state in (chaser, target):
+        check_kind(state, State, "make it with robot.state(q, v)")
     check_owner(chaser.robot, hand)
     check_owner(target.robot, fixture)
     frame = MovingFrame.of(chaser)

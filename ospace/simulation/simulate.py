@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from ospace.checks import checked_number, checked_vector
+from ospace.checks import check_kind, checked_number, checked_vector
 from ospace.exceptions import OspaceError
 from ospace.model.points import OperationalPoint
 from ospace.model.robot import SpaceRobot
@@ -104,6 +104,7 @@ def simulate(
     (`ospace.dynamics.joint_friction`).
     """
     clock = _Clock.of(duration, step, period, delay, log_every, start)
+    check_kind(robot, SpaceRobot, "read it with SpaceRobot.from_urdf(path)")
     state = robot.state(q, v)
     frame = MovingFrame.of(state)
     plant = Plant(robot, wrenches)
