@@ -143,10 +143,12 @@ def interpreted_batch(
     """Compute all quantities of a few states by the kernels of the batch, two states at a time and without a compiler.
 
     To check the batch takes a fraction of a second so, and several to compile it. The arguments are those of
-    `operational_space_batch`.
+    `operational_space_batch`. Where the lanes call a state bad, it is: no evaluator computes it after all, which would
+    hide a mistake of theirs.
     """
     results = _arrays(robot, len(rows_of(points)), len(Q), QUANTITIES, {})
     work = _Work(robot, tuple(points), Q, V, results, 2, _evaluate_2_interpreted)
+    work.retried = (evaluation.DEPENDENT, evaluation.FAR)
     _over_threads(work, len(Q), 1)
     return OperationalSpaceBatch(**results, bad=np.flatnonzero(work.status != evaluation.OK))
 
@@ -254,6 +256,12 @@ class _Work:
         self.rows = rows_of(points)
         self.status = np.full(len(Q), evaluation.BAD_INPUT, dtype=np.int64)
         self.lanes, self.evaluate = lanes, evaluate
+        self.retried: tuple[int, ...] = (
+            evaluation.BAD_INPUT,
+            evaluation.SINGULAR,
+            evaluation.DEPENDENT,
+            evaluation.FAR,
+        )
         self.layout = layout_of(robot, points)
         for name in results:
             self.layout.want[0] |= _BITS[name]
@@ -273,14 +281,14 @@ class _Worker:
 
     def run(self, chunk: slice) -> None:
         """Compute one chunk, in place."""
-        work = self.work
+        work, count = self.work, chunk.stop - chunk.start
         if self.memory is not None:
             parts = {name: self._part(name, chunk) for name in _NOTHING}
             out = kernel.Results(**parts, status=work.status[chunk])
-            count = chunk.stop - chunk.start
             self.Q[:count], self.V[:count] = work.Q[chunk], work.V[chunk]
             work.evaluate(self.Q[:count], self.V[:count], self.memory, out)
-        for s in chunk.start + np.flatnonzero(work.status[chunk] != evaluation.OK):
+        again = np.isin(work.status[chunk], work.retried) if self.memory is not None else np.ones(count, dtype=bool)
+        for s in chunk.start + np.flatnonzero(again):
             work.status[s] = self._alone(int(s), chunk)
         if "smallest_singular_value" in work.results:
             J = self._part("generalized_jacobian", chunk)
