@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 
+import numba
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -44,6 +45,7 @@ def first_cycle(solver, how):
 
 
 @pytest.mark.skipif(cache.directory() is None, reason="kernels are not kept")
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="about compiled kernels")
 @pytest.mark.parametrize("solver", ["daqp", "proxqp", "clarabel"])
 def test_the_first_cycle_loads_nothing(solver):
     assert any(first_cycle(solver, "cold"))
