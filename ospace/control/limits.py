@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ospace.checks import checked_number, real_numbers
-from ospace.exceptions import OspaceError, closest
+from ospace.exceptions import OspaceError
 from ospace.kernels.qp.tables import UNLIMITED
 from ospace.kernels.tree import Floats
 from ospace.model.robot import SpaceRobot
@@ -26,7 +26,8 @@ class JointLimits:
     torque : (n,)
         To either side; N m, or N for prismatic joints. 0 is a joint without a drive, whose motion limits bind nothing.
     lower, upper : (n,)
-        Positions; rad, or m.
+        Positions; rad, or m. Infinite for planar, spherical and floating joints, whose rates are no rates of
+        coordinates: the controller keeps no position limit of these.
     velocity : (n,)
         To either side; rad/s, or m/s. 0 is a joint that its drive holds still.
     acceleration : (n,)
@@ -78,7 +79,7 @@ class JointLimits:
             Infinite limits alone count as none. A torque limit of zero is a joint without a drive; a velocity limit of
             zero is one that its drive holds still, and without a drive it counts as none.
         acceleration : float or mapping of joint name to float
-            URDF has none; rad/s², or m/s².
+            URDF has none; rad/s², or m/s². A joint with several rates takes the number for each.
         share : float
             Of the torques and velocities that the model allows.
 
@@ -91,17 +92,16 @@ class JointLimits:
         most = np.full(n, math.inf)
         if isinstance(acceleration, Mapping):
             for name, value in acceleration.items():
-                if name not in robot.joint_names:
-                    raise OspaceError(f"acceleration limit: no joint '{name}'{closest(name, robot.joint_names)}")
-                most[robot.joint_names.index(name)] = _bound(value, f"acceleration limit of joint '{name}'")
+                most[robot.rates_of(name)] = _bound(value, f"acceleration limit of joint '{name}'")
         else:
             most[:] = _bound(acceleration, "acceleration limit")
         share = checked_number(share, "share of the limits")
         lower, upper = np.full(n, -math.inf), np.full(n, math.inf)
         for j in range(2, model.njoints):
-            if model.nqs[j] == model.nvs[j] == 1:
-                lower[model.idx_vs[j] - 6] = model.lowerPositionLimit[model.idx_qs[j]]
-                upper[model.idx_vs[j] - 6] = model.upperPositionLimit[model.idx_qs[j]]
+            if model.nqs[j] == model.nvs[j]:
+                rates = slice(model.idx_vs[j] - 6, model.idx_vs[j] + model.nvs[j] - 6)
+                positions = slice(model.idx_qs[j], model.idx_qs[j] + model.nqs[j])
+                lower[rates], upper[rates] = model.lowerPositionLimit[positions], model.upperPositionLimit[positions]
         torque, velocity = (_open(given[6:]) * share for given in (model.effortLimit, model.velocityLimit))
         velocity[(torque == 0.0) & (velocity == 0.0)] = math.inf
         return cls(torque, _open(lower), _open(upper), velocity, most)

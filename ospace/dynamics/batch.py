@@ -147,8 +147,8 @@ def interpreted_batch(
     hide a mistake of theirs.
     """
     results = _arrays(robot, len(rows_of(points)), len(Q), QUANTITIES, {})
-    work = _Work(robot, tuple(points), Q, V, results, 2, _evaluate_2_interpreted)
-    work.retried = (evaluation.DEPENDENT, evaluation.FAR)
+    retried = (evaluation.DEPENDENT, evaluation.FAR)
+    work = _Work(robot, tuple(points), Q, V, results, 2, _evaluate_2_interpreted, retried)
     _over_threads(work, len(Q), 1)
     return OperationalSpaceBatch(**results, bad=np.flatnonzero(work.status != evaluation.OK))
 
@@ -251,17 +251,17 @@ class _Work:
         results: Mapping[str, Floats],
         lanes: int,
         evaluate: Callable[..., None],
-    ) -> None:
-        self.robot, self.points, self.Q, self.V, self.results = robot, points, Q, V, results
-        self.rows = rows_of(points)
-        self.status = np.full(len(Q), evaluation.BAD_INPUT, dtype=np.int64)
-        self.lanes, self.evaluate = lanes, evaluate
-        self.retried: tuple[int, ...] = (
+        retried: tuple[int, ...] = (
             evaluation.BAD_INPUT,
             evaluation.SINGULAR,
             evaluation.DEPENDENT,
             evaluation.FAR,
-        )
+        ),
+    ) -> None:
+        self.robot, self.points, self.Q, self.V, self.results = robot, points, Q, V, results
+        self.rows = rows_of(points)
+        self.status = np.full(len(Q), evaluation.BAD_INPUT, dtype=np.int64)
+        self.lanes, self.evaluate, self.retried = lanes, evaluate, retried
         self.layout = layout_of(robot, points)
         for name in results:
             self.layout.want[0] |= _BITS[name]

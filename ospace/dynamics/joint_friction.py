@@ -47,8 +47,8 @@ class JointFriction:
         made = cls(np.array(model.damping[6:]), np.array([backward, forward]))
         for what, values in (("damping", made.damping), ("friction", backward), ("friction", forward)):
             for k in np.flatnonzero(~(np.isfinite(values) & (values >= 0.0))):
-                joint = max(j for j in range(2, model.njoints) if model.idx_vs[j] <= k + 6)
-                raise OspaceError(f"joint '{model.names[joint]}': {what} is {values[k]}: give a finite one from 0 on")
+                joint = robot.joint_of_link(int(k) + 1)
+                raise OspaceError(f"joint '{joint}': {what} is {values[k]}: give a finite one from 0 on")
         return made
 
     @property

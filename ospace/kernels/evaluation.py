@@ -99,6 +99,13 @@ def normalize_input(joints: Joints, w: Work) -> None:
 
 
 @inlined
+def clear_input_diagnostics(w: Work) -> None:
+    """Note that nothing is wrong with the input, where links stand already."""
+    for k in range(FARTHEST + 1):
+        w.diagnostics[0, k] = 0.0
+
+
+@inlined
 def place(robot: Robot, w: Work, wide: Wide, I: Table) -> None:
     """From `w.q` and `w.velocity` to the links; their inertias go to the table `I`."""
     if robot.want[0] & NORMALIZED == 0:
@@ -271,8 +278,7 @@ def evaluate(q: Floats, v: Floats, memory: Floats) -> int:
     here = unowned(memory)
     robot, w, wide = open_robot(here), open_work(here, zeros(1)), open_wide(here)
     if robot.want[0] & LINKS_STAND:
-        for k in range(FARTHEST + 1):
-            w.diagnostics[0, k] = 0.0
+        clear_input_diagnostics(w)
         copy21(w.I, w.IA)
     else:
         if not load_input(unowned(q), unowned(v), w):
@@ -307,8 +313,7 @@ def compose(q: Floats, v: Floats, memory: Floats) -> int:
     here = unowned(memory)
     robot, w = open_robot(here), open_work(here, zeros(1))
     if robot.want[0] & PLACED_BEFORE:
-        for k in range(FARTHEST + 1):
-            w.diagnostics[0, k] = 0.0
+        clear_input_diagnostics(w)
     else:
         if not load_input(unowned(q), unowned(v), w):
             return BAD_INPUT

@@ -30,16 +30,7 @@ from ospace.kernels.forward_chain import (
     relative_pivot,
     solve,
 )
-from ospace.kernels.tree import Floats
-
-
-def path_to(chain: Chain, i: int) -> list[int]:
-    """Return the links from the base, not included, out to link `i`."""
-    path = []
-    while i > 0:
-        path.append(i)
-        i = int(chain.parent[i])
-    return path[::-1]
+from ospace.kernels.tree import Floats, path_to
 
 
 def pass_outward(chain: Chain, body: ArticulatedBodies, i: int) -> None:
@@ -67,7 +58,7 @@ def inverted_chain(chain: Chain, end: Ends) -> tuple[Floats, Floats, Floats, Flo
         Of the joint of each link, see `relative_pivot`; row 0 means nothing.
     """
     body, X, e = links_alone(chain), end.X[0], int(end.link[0])
-    path = path_to(chain, e)
+    path = path_to(chain.parent, e)
     for i in range(len(chain.parent) - 1, 0, -1):
         if i not in path:
             pass_inward(chain, body, i)

@@ -26,6 +26,15 @@ COLUMNS = (1, 1, 1, 1, 3, 3, 6, 1, 1)
 """Columns of each kind."""
 
 
+def path_to(parent: Ints, i: int) -> list[int]:
+    """Return the links from the base, not included, out to link `i`, where `parent` holds each link's parent."""
+    path = []
+    while i > 0:
+        path.append(i)
+        i = int(parent[i])
+    return path[::-1]
+
+
 class Joints(NamedTuple):
     """What a robot is, whatever its state; rows 0…n, row 0 the base."""
 

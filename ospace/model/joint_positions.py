@@ -135,6 +135,20 @@ def with_units(beyond: Mapping[str, float], unit: Mapping[str, str]) -> str:
     return ", ".join(f"'{name}' by {in_unit(excess, unit[name])}" for name, excess in beyond.items())
 
 
+def norm_error(model: pin.Model, j: int, Q: Floats) -> Floats:
+    """Return how far the quaternion or the (cos, sin) pair of joint `j` is from unit length in each row of `Q` (N, nq).
+
+    Zero for joints without one; of a joint composed of several, the most that unit length changes a coordinate.
+    """
+    joint, first = model.joints[j], int(model.idx_qs[j])
+    if joint.nq == joint.nv:
+        return np.zeros(len(Q))
+    own = slice(first, first + joint.nq)
+    if joint.shortname() == "JointModelComposite":
+        return np.array([np.abs(pin.normalize(model, q) - q)[own].max() for q in Q])
+    return np.asarray(np.abs(np.hypot.reduce(Q[:, own][:, _straight(joint) :], axis=1) - 1.0))
+
+
 def _straight(joint: pin.JointModel) -> int:
     """Return how many of the joint's first coordinates are lengths or plain angles."""
     if joint.nq == joint.nv:

@@ -139,14 +139,6 @@ class Layout:
         """Return the name of the joint by which link `i` of the recursions hangs."""
         return str(self.model.names[int(self.links.body[i])])
 
-    def path_to(self, i: int) -> list[int]:
-        """Return the links from the base, not included, out to link `i`."""
-        path = []
-        while i > 0:
-            path.append(i)
-            i = int(self.links.parent[i])
-        return path[::-1]
-
     def with_points(self, joints: Sequence[int], positions: Sequence[Floats], rows: Ints) -> Robot:
         """Lay out points for `ospace.kernels.workspace`.
 

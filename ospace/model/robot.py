@@ -17,7 +17,7 @@ from ospace.checks import checked_vector
 from ospace.exceptions import OspaceError, closest
 from ospace.kernels.tree import Floats
 from ospace.model.joint_positions import ROUNDING, BoundedCoordinates, Position, from_q, to_q
-from ospace.model.layout import BASE_NQ, Layout
+from ospace.model.layout import BASE_NQ, BASE_NV, Layout
 from ospace.model.points import ROW_NAMES, Axes, OperationalPoint, parse_axes
 from ospace.model.state import State
 from ospace.urdf import reader
@@ -248,7 +248,7 @@ class SpaceRobot(Layout):
         if T_WB is not None:
             q[:BASE_NQ] = pin.SE3ToXYZQUAT(T_WB)
         for name, value in (joints or {}).items():
-            j = self._joint(name)
+            j = self.joint_number(name)
             start, count = self.model.idx_qs[j], self.model.nqs[j]
             q[start : start + count] = to_q(self.model.joints[j], name, value)
         if not np.isfinite(q[:BASE_NQ]).all():
@@ -312,10 +312,16 @@ class SpaceRobot(Layout):
         """Read the base pose T_WB from `q`."""
         return pin.XYZQUATToSE3(checked_vector(q, self.nq, "q", self.name)[:BASE_NQ])
 
-    def _joint(self, name: str) -> int:
+    def joint_number(self, name: str) -> int:
+        """Return Pinocchio's number of a joint behind the base; raises `OspaceError` for an unknown name."""
         if name not in self.joint_names:
             raise OspaceError(f"robot '{self.name}' has no joint '{name}'{closest(str(name), self.joint_names)}")
         return 2 + self.joint_names.index(name)  # behind Pinocchio's universe and the base, whatever their names
+
+    def rates_of(self, name: str) -> slice:
+        """Return where the rates of a joint stand in ``v[6:]``; raises `OspaceError` for an unknown name."""
+        j = self.joint_number(name)
+        return slice(self.model.idx_vs[j] - BASE_NV, self.model.idx_vs[j] + self.model.nvs[j] - BASE_NV)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copy by laying out a copy of the model: a thread's scratch memory and what is derived stay behind."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +13,7 @@ from ospace.checks import checked_vector, not_finite
 from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
 from ospace.kernels.workspace import view_of_links
+from ospace.model.joint_positions import norm_error
 from ospace.model.points import OperationalPoint, check_owner
 
 if TYPE_CHECKING:
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 QUATERNION_TOLERANCE = 1e-6
 """How far the length of a quaternion, or of a (cos, sin) pair, may be from one; it is then set to one."""
 _UNIT = 4e-15  # as close to one as rounding leaves its square: set to one again, it would only change in its last digit
-
-_BEFORE_ROTATION = {"JointModelFreeFlyer": 3, "JointModelPlanar": 2}  # numbers of q that are no rotation
 
 
 class State:
@@ -130,14 +128,11 @@ def _normalize(robot: SpaceRobot, q: Floats) -> None:
     model = robot.model
     unit = pin.normalize(model, q)
     for j in range(1, model.njoints):
-        part = slice(model.idx_qs[j], model.idx_qs[j] + model.nqs[j])
-        rotation = q[part][_BEFORE_ROTATION.get(model.joints[j].shortname(), 0) :]
-        simple = len(rotation) in (2, 4) and model.nqs[j] == model.nvs[j] + 1
-        off = abs(math.hypot(*rotation) - 1.0) if simple else np.abs(q[part] - unit[part]).max(initial=0.0)
-        if not off <= QUATERNION_TOLERANCE:
+        if not norm_error(model, j, q[None])[0] <= QUATERNION_TOLERANCE:
             whose = "base quaternion q[3:7]" if j == 1 else f"rotation part of q of joint '{model.names[j]}'"
+            part = q[model.idx_qs[j] : model.idx_qs[j] + model.nqs[j]]
             raise OspaceError(
-                f"the {whose} is not of unit length: {rotation}; "
+                f"the {whose} is not of unit length: {part[3:] if j == 1 else part}; "
                 f"divide it by its length, or build q with robot.configuration"
             )
     if not pin.isNormalized(model, q, _UNIT):

@@ -96,7 +96,7 @@ class _Robots:
         v, R = np.zeros(robot.nv), table.pose.rotation
         v[:3], v[3:6] = R.T @ table.velocity, R.T @ table.angular_velocity
         for name, rate in rates.items():
-            v[robot.model.idx_vs[2 + robot.joint_names.index(name)]] = rate
+            v[6:][robot.rates_of(name)] = rate
         try:
             return robot.state(robot.configuration(_all_joints(robot, positions), table.pose), v)
         except OspaceError as error:

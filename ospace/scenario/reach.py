@@ -18,11 +18,11 @@ import numpy as np
 import pinocchio as pin
 
 from ospace.kernels.tree import Floats
+from ospace.model.joint_positions import unit_of
 from ospace.model.points import OperationalPoint
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
 
-_SLIDING = ("JointModelPX", "JointModelPY", "JointModelPZ", "JointModelPrismaticUnaligned")
 _TURNING = ("JointModelR", "JointModelSpherical", "JointModelUniversal")
 
 
@@ -116,11 +116,11 @@ def _between(robot: SpaceRobot, a: int, b: int) -> float:
 
 def _length(robot: SpaceRobot, j: int) -> float:
     """Return how far the frame of joint `j` may be from that of the joint before it, m."""
-    model, kind = robot.model, robot.model.joints[j].shortname()
+    model, joint = robot.model, robot.model.joints[j]
     offset = float(np.linalg.norm(model.jointPlacements[j].translation))
-    if kind.startswith(_TURNING):
+    if joint.shortname().startswith(_TURNING):
         return offset
-    if kind not in _SLIDING:
+    if unit_of(joint) != "m" or joint.nv > 1:
         return math.inf
     k = model.idx_qs[j]
     return offset + max(abs(float(model.lowerPositionLimit[k])), abs(float(model.upperPositionLimit[k])))

@@ -252,11 +252,11 @@ class _Reach:
         goal, done = task.followed, task.completion
         if not isinstance(goal, Follow) or done is None or task.type not in _PLACED:
             return False
-        (point,) = task.task(hand.robot).points
+        made = task.task(hand.robot)
+        (point,), rows = made.points, made.rows(hand.robot)
         followed = fixture.robot.point(goal.follow, offset=goal.offset.pose)
         if point.joint != hand.joint or followed.joint != fixture.joint:
             return False
-        rows = task.task(hand.robot).rows(hand.robot)
         at_point = point.placement.actInv(hand.placement)
         at_goal = followed.placement.actInv(fixture.placement)
         turned = done.angle if {3, 4, 5} <= set(rows) else math.inf

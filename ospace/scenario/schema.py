@@ -45,6 +45,7 @@ from ospace.control.references import Reference
 from ospace.control.solvers import solver_named
 from ospace.exceptions import OspaceError, closest
 from ospace.kernels.tree import Floats
+from ospace.model.joint_positions import unit_of
 from ospace.model.points import Axes, OperationalPoint, parse_axes
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
@@ -60,7 +61,6 @@ _LEAST_MOMENT = 1e-9
 """Least principal moment of inertia of a target's body, kg m²."""
 _TENSOR = ((0, 3, 4), (3, 1, 5), (4, 5, 2))
 """Where ixx, iyy, izz, ixy, ixz, iyz stand in the tensor."""
-_SLIDING = ("JointModelPX", "JointModelPY", "JointModelPZ", "JointModelPrismaticUnaligned")
 
 
 # -- types of keys -----------------------------------------------------------------------------------------------
@@ -175,29 +175,28 @@ class ByJoint:
     above: float = -math.inf
 
     def of(self, joint: str, robot: SpaceRobot) -> Quantity:
-        """Return the type of a joint's quantity."""
-        slides = robot.model.joints[2 + robot.joint_names.index(joint)].shortname() in _SLIDING
-        return Quantity(self.linear if slides else self.angular, above=self.above)
+        """Return the type of a joint's quantity; raises `ValueError` for a joint with several degrees of freedom."""
+        model = robot.model.joints[robot.joint_number(joint)]
+        if model.nv > 1:
+            raise ValueError(f"joint '{joint}' has {model.nv} degrees of freedom: a scenario sets joints with one")
+        return Quantity(self.linear if unit_of(model) == "m" else self.angular, above=self.above)
 
     def read(self, given: Mapping[str, Any], robot: SpaceRobot, key: str) -> tuple[dict[str, float], list[Problem]]:
         """Return the quantities in SI units, and what is wrong with others."""
         values, problems = {}, []
         for name, value in given.items():
             try:
-                if name not in robot.joint_names:
-                    raise ValueError(f"no joint '{name}' in robot '{robot.name}'{closest(name, robot.joint_names)}")
                 values[name] = self.of(name, robot).read(value)
-            except ValueError as error:
+            except (OspaceError, ValueError) as error:
                 problems.append((f"{key}.{name}", str(error)))
         return values, problems
 
     def __get_pydantic_json_schema__(self, core: Any, handler: Any) -> dict[str, Any]:
-        of = [Quantity(one, above=self.above).__get_pydantic_json_schema__(core, handler) for one in self._dimensions]
+        of = [
+            Quantity(one, above=self.above).__get_pydantic_json_schema__(core, handler)
+            for one in (self.linear, self.angular)
+        ]
         return {"type": "object", "additionalProperties": {"anyOf": of}}
-
-    @property
-    def _dimensions(self) -> tuple[str, str]:
-        return self.linear, self.angular
 
 
 POSITIONS = ByJoint("length", "angle")

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-import pinocchio as pin
 
 from ospace.kernels.tree import Floats
-from ospace.model.joint_positions import ROUNDING, BoundedCoordinates, unit_of
+from ospace.model.joint_positions import ROUNDING, BoundedCoordinates, norm_error, unit_of
 from ospace.model.robot import SpaceRobot
 from ospace.simulation.moving_frame import MovingFrame
 from ospace.simulation.plant import Plant
 from ospace.simulation.runge_kutta import Motion
 from ospace.simulation.trajectory import Excess, Trajectory
-
-_ROTATION_SIZES = (2, 4)
-_BEFORE_ROTATION = {"JointModelFreeFlyer": 3, "JointModelPlanar": 2}  # numbers of q that are no rotation
 
 
 class Recorder:
@@ -75,19 +71,7 @@ class Recorder:
 
 def rotation_drift(robot: SpaceRobot, Q: Floats) -> Floats:
     """Return how far quaternions and (cos, sin) pairs are from unit length, the worst of each row of `Q` (N, nq)."""
-    model = robot.model
-    worst = np.zeros(len(Q))
-    for j in range(1, model.njoints):
-        first, count = model.idx_qs[j], model.nqs[j]
-        if count == model.nvs[j]:
-            continue
-        rotation = Q[:, first + _BEFORE_ROTATION.get(model.joints[j].shortname(), 0) : first + count]
-        if rotation.shape[1] in _ROTATION_SIZES and count == model.nvs[j] + 1:
-            off = np.abs(np.linalg.norm(rotation, axis=1) - 1.0)
-        else:  # a joint composed of several
-            off = np.array([np.abs(pin.normalize(model, q) - q)[first : first + count].max() for q in Q])
-        np.maximum(worst, off, out=worst)
-    return worst
+    return np.asarray(np.max([norm_error(robot.model, j, Q) for j in range(1, robot.model.njoints)], axis=0))
 
 
 def outside_limits(robot: SpaceRobot, time: Floats, Q: Floats) -> dict[str, Excess]:

@@ -6,7 +6,7 @@ import pytest
 import trees
 
 import ospace
-from ospace.control import Controller, DampingTask, PoseTask, PostureTask
+from ospace.control import Controller, DampingTask, JointLimits, PoseTask, PostureTask
 from ospace.model.joint_positions import from_q
 
 SEVERAL = ("planar", "floating", "spherical", "spherical by angles", "translation", "universal", "composite", "helical")
@@ -83,3 +83,26 @@ def test_rates_of_joints_with_several_have_names_of_their_own():
     assert task.row_names(robot) == [f"posture.{name}" for name in robot.rate_names[3:7]]
     with pytest.raises(ospace.OspaceError, match="task 'posture': joint 'joint_1' takes 4"):
         Controller(robot, PostureTask(name="posture", posture={"joint_1": 0.3}))
+
+
+def test_acceleration_limits_by_name_land_on_the_rates_of_their_joint():
+    """Behind a joint of several columns, the number of a joint is not that of its rate."""
+    robot = trees.tree(6, 8, ("planar", "revolute"))
+    for joint in robot.joint_names:
+        named = [rate.split(".")[0] == joint for rate in robot.rate_names]
+        limits = JointLimits.of(robot, acceleration={joint: 3.0})
+        np.testing.assert_array_equal(limits.acceleration, np.where(named, 3.0, np.inf))
+
+
+def test_position_limits_of_a_translation_joint_are_kept():
+    """Each of its coordinates is one of a sliding joint."""
+    robot = trees.tree(6, 1, ("translation",))
+    robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:] = -0.1, [0.1, 0.2, 0.3]
+    robot = ospace.SpaceRobot.from_model(robot.model)
+    limits = JointLimits.of(robot)
+    np.testing.assert_array_equal(limits.upper, [0.1, 0.2, 0.3])
+    q, (joint,) = pin.neutral(robot.model), robot.joint_names
+    limits = JointLimits(np.full(3, 50.0), limits.lower, limits.upper, limits.velocity, limits.acceleration)
+    task = PostureTask(name="posture", posture={joint: [1.0, 1.0, 1.0]}, stiffness=25.0, weight=1.0)
+    run = ospace.simulate(robot, q, np.zeros(robot.nv), Controller(robot, task, limits=limits), duration=2.0)
+    np.testing.assert_allclose(run.q[-1][7:], limits.upper, atol=1e-5)

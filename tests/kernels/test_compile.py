@@ -197,7 +197,11 @@ def test_all_is_compiled_whatever_becomes_of_children(folder, monkeypatch, execu
     seen = []
     monkeypatch.setattr(cache, "listeners", [lambda number, of: seen.append((number, of))])
     together.compile_together((getattr(entries, name), (X, Y)) for name in ("total", "product", "difference"))
-    assert sorted(seen) == [(0, 0), (1, 3), (2, 3), (3, 3)]
+    of_all = [(0, 0), (1, 3), (2, 3), (3, 3)]
+    if executable == PYTHON:  # the entry of a child that fails, if it came to take one, is compiled here after all
+        assert {*of_all} <= {*seen} <= {*of_all, (1, 1)}
+    else:
+        assert sorted(seen) == of_all
     assert seen[-1] == (0, 0)
     assert all(len(one.overloads) == 1 for one in (entries.total, entries.product, entries.difference))
     assert len(processes) == (executable == PYTHON)

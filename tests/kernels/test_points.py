@@ -5,6 +5,7 @@ import pytest
 from kernel_tables import Laid, close
 
 from ospace.kernels import points
+from ospace.kernels.tree import path_to
 
 
 @pytest.fixture(params=range(4))
@@ -31,7 +32,7 @@ def test_jacobians(laid):
 def test_a_column_is_the_motion_per_rate(laid):
     tip = laid.points[0]
     p = laid.state.placement_about_base(tip).translation
-    way = laid.state.robot.path_to(int(laid.state.robot.link_of_joint[tip.joint]))
+    way = path_to(laid.state.robot.links.parent, int(laid.state.robot.link_of_joint[tip.joint]))
     for k in way:
         close(points.joint_column(laid.w, tuple(p), k), laid.dense.J_e[:6, k + 5], 1e-12)
 

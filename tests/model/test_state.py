@@ -386,3 +386,22 @@ def test_generalized_velocities_at_orbital_speed(any_tree, seed):
     J_e = ospace.operational_space(state, points).jacobian
     velocity = J.generalized_jacobian @ rates + J.momentum_velocity
     np.testing.assert_allclose(velocity, J_e @ np.r_[state.base_twist, rates], rtol=0.0, atol=atol)
+
+
+def test_unit_length_within_a_joint_composed_of_others():
+    """Four coordinates of three rates are no quaternion: two angles, a cosine and a sine."""
+    model = pin.Model()
+    base = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "base")
+    joint = pin.JointModelComposite(3)
+    for one in (pin.JointModelRX(), pin.JointModelRY(), pin.JointModelRUBZ()):
+        joint.addJoint(one, pin.SE3.Identity())
+    wrist = model.addJoint(base, joint, pin.SE3.Identity(), "wrist")
+    for body in (base, wrist):
+        model.appendBodyToJoint(body, pin.Inertia.Random(), pin.SE3.Identity())
+    robot = ospace.SpaceRobot.from_model(model)
+    q = pin.neutral(model)
+    q[7:9] = 0.4, 2.0
+    assert robot.state(q).q[7:].tolist() == [0.4, 2.0, 1.0, 0.0]
+    q[9] = 1.1
+    with pytest.raises(ospace.OspaceError, match="'wrist' is not of unit length"):
+        robot.state(q)

@@ -476,7 +476,7 @@ def test_numbers_beyond_all_measure_are_refused(read, was, now, key):
 
 
 def test_a_whole_number_of_thousands_of_digits(read):
-    with pytest.raises(scenario.ScenarioError, match="is not TOML"):
+    with pytest.raises(ospace.ScenarioError, match="is not TOML"):
         read(REACHING.replace("mass = 50", "mass = " + "9" * 5000))
 
 
@@ -562,3 +562,44 @@ def test_control_characters_in_a_key_are_shown_as_text(read):
         read(SHORT_START.replace("[[phase]]", 'joints = { "a\\u001b[2J" = 1 }\n[[phase]]', 1))
     assert "\x1b" not in str(raised.value)
     assert r"robot.joints.a\x1b[2J" in str(raised.value)
+
+
+TABLE_AND_ELBOW = """<robot name="gantry">
+<link name="base">INERTIAL</link><link name="carriage">INERTIAL</link><link name="arm">INERTIAL</link>
+<joint name="table" type="planar"><parent link="base"/><child link="carriage"/><axis xyz="0 0 1"/></joint>
+<joint name="elbow" type="revolute"><parent link="carriage"/><child link="arm"/><axis xyz="0 1 0"/>
+<limit lower="-3" upper="3" effort="10" velocity="2"/></joint>
+</robot>""".replace(
+    "INERTIAL",
+    '<inertial><mass value="50"/><inertia ixx="5" iyy="5" izz="5" ixy="0" ixz="0" iyz="0"/></inertial>',
+)
+GANTRY = """
+[robot]
+model = "gantry.urdf"
+joint_rates = { elbow = 3 }
+[limits]
+acceleration = { elbow = "7 rad/s^2" }
+[[phase]]
+name = "rest"
+duration = 1
+timeout = 2
+[[phase.task]]
+name = "rest"
+type = "damping"
+"""
+
+
+def test_rates_and_limits_of_a_joint_behind_one_with_several_rates(read, tmp_path):
+    (tmp_path / "gantry.urdf").write_text(TABLE_AND_ELBOW)
+    made = read(GANTRY)
+    np.testing.assert_array_equal(made.start.v[6:], [0, 0, 0, 3])
+    np.testing.assert_array_equal(made.limits.of(made.robot, made.robot).acceleration, [np.inf] * 3 + [7.0])
+
+
+@pytest.mark.parametrize("key", ["joints", "joint_rates"])
+def test_one_number_for_a_joint_with_several_rates_is_refused(read, tmp_path, key):
+    """Which of its coordinates would take it?"""
+    (tmp_path / "gantry.urdf").write_text(TABLE_AND_ELBOW)
+    with pytest.raises(ospace.ScenarioError, match="joint 'table' has 3 degrees of freedom") as error:
+        read(GANTRY.replace("joint_rates = {", f"{key} = {{ table = 1.0,"))
+    assert [name for name, _ in error.value.problems] == [f"robot.{key}.table"]

@@ -13,7 +13,7 @@ from ospace.checks import checked_numbers
 from ospace.control.base import Base
 from ospace.control.references import Reference
 from ospace.control.tasks.task import Completion, Task
-from ospace.exceptions import OspaceError, closest
+from ospace.exceptions import OspaceError
 from ospace.kernels.tasks import tables as kernel
 from ospace.kernels.tree import Floats, Ints
 from ospace.model.joint_positions import Position, to_q
@@ -51,10 +51,8 @@ class PostureTask(Task):
     def write(self, robot: SpaceRobot, q: Floats) -> None:
         """Put the joints that the posture names at their positions in `q` (nq,)."""
         for name, position in (self.posture or {}).items():
-            if name not in robot.joint_names:
-                raise OspaceError(f"task '{self.name}': no joint '{name}'{closest(name, robot.joint_names)}")
-            j = 2 + robot.joint_names.index(name)
             try:
+                j = robot.joint_number(name)
                 numbers = to_q(robot.model.joints[j], name, position)
             except OspaceError as error:
                 raise OspaceError(f"task '{self.name}': {error}") from None
