@@ -13,7 +13,8 @@ def main() -> None:
     chaser, target = (ospace.SpaceRobot.from_urdf(ospace.models.path(name)) for name in ("chaser_24dof", "target"))
     hand, head, fixture = chaser.point("right_hand"), chaser.point("head"), target.point("grapple")
     start = chaser.state(chaser.configuration())
-    free = FreeMotion(tumbling(target, pin.SE3(np.eye(3), np.array([1.8, -0.35, 0.95])), np.radians([0.3, 0.5, -1.0])))
+    there = pin.SE3(np.eye(3), np.array([1.8, -0.35, 0.95]))
+    free = FreeMotion(target, tumbling(target, there, np.radians([0.3, 0.5, -1.0])))
     way = Approach(start.placement(hand), np.zeros(6), free.frame(fixture), duration=8.0)
     tasks = [
         PoseTask(name="hand", point=hand, stiffness=100.0, reference=Function(way)),
@@ -26,7 +27,7 @@ def main() -> None:
     print(f"hand off by {held.position_error * 1e3:.2g} mm, {np.degrees(held.angle_error):.2g} deg at the grasp")
     print(f"base turned by {np.degrees(np.linalg.norm(turned)):.2g} deg")
     print(run.certificate())
-    print(held.state.robot)
+    print(held.robot)
 
 
 if __name__ == "__main__":

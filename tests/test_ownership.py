@@ -81,7 +81,7 @@ TAKERS = {
     "hand": lambda robot, point: grasp(at_rest(robot), point, at_rest(robot), a_second(robot)),
     "fixture": lambda robot, point: grasp(at_rest(robot), a_second(robot), at_rest(robot), point),
     "check": lambda robot, point: report.check(robot, [point], samples=1),
-    "sample": lambda robot, point: Sample(at_rest(robot), [point], np.random.default_rng(0)),
+    "sample": lambda robot, point: Sample(robot, at_rest(robot), [point], np.random.default_rng(0)),
     "scene": lambda robot, point: Scene(robot, [point]),
 }
 

@@ -181,9 +181,12 @@ def _valid(scenario: Scenario, name: str, not_rehearsed: str) -> str:
     phases = ", ".join(phase.name for phase in scenario.phases)
     longest = sum(phase.timeout for phase in scenario.phases)
     remarks = [
-        f"{who} starts outside limits of joints: {excess_text(state.robot.model, beyond)}\n"
-        for who, state in (("robot", scenario.start), ("target", scenario.target))
-        if state is not None and (beyond := state.robot.outside_limits(state.q))
+        f"{who} starts outside limits of joints: {excess_text(robot.model, beyond)}\n"
+        for who, robot, state in (
+            ("robot", scenario.robot, scenario.start),
+            ("target", scenario.target_robot, scenario.target),
+        )
+        if robot is not None and state is not None and (beyond := robot.outside_limits(state.q))
     ]
     if not_rehearsed:
         remarks.append(f"not rehearsed: {not_rehearsed}\n")

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from ospace.exceptions import OspaceError, closest
 from ospace.kernels.tree import (
     COLUMNS,
     CONTINUOUS,
@@ -138,6 +139,31 @@ class Layout:
     def joint_of_link(self, i: int) -> str:
         """Return the name of the joint by which link `i` of the recursions hangs."""
         return str(self.model.names[int(self.links.body[i])])
+
+    @cached_property
+    def frame_names(self) -> list[str]:
+        """Names of all frames that can carry an operational point, links first."""
+        carried = sorted(self._carried_frames, key=lambda frame: frame.type != pin.FrameType.BODY)
+        return list(dict.fromkeys(frame.name for frame in carried))
+
+    def frame(self, name: str) -> pin.Frame:
+        """Return a frame that can carry an operational point; raises `OspaceError` if unknown or in several places."""
+        named = [one for one in self._carried_frames if one.name == name]
+        if not named:
+            raise OspaceError(f"robot '{self.name}' has no frame '{name}'{closest(str(name), self.frame_names)}")
+        first = named[0]
+        if any(one.parentJoint != first.parentJoint or one.placement != first.placement for one in named):
+            raise OspaceError(
+                f"frame '{name}' of robot '{self.name}' is ambiguous: {len(named)} links or joints of that name "
+                f"lie in different places; rename one of them in the URDF"
+            )
+        return first
+
+    @cached_property
+    def _carried_frames(self) -> list[pin.Frame]:
+        """All frames but those of the universe and of the free-flyer, whose names a link or joint may bear as well."""
+        frames = [frame for frame in self.model.frames if frame.parentJoint > 0]
+        return [frame for frame in frames if frame.parentJoint > 1 or frame.type != pin.FrameType.JOINT]
 
     def with_points(self, joints: Sequence[int], positions: Sequence[Floats], rows: Ints) -> Robot:
         """Lay out points for `ospace.kernels.workspace`.

@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
 
 from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Ints
-
-if TYPE_CHECKING:
-    from ospace.model.robot import SpaceRobot
+from ospace.model.layout import Layout
 
 Axes = str | Sequence[bool]
 ROW_NAMES = ("x", "y", "z", "rx", "ry", "rz")
@@ -41,7 +38,7 @@ class OperationalPoint:
         The point in the joint's frame, offset included.
     """
 
-    robot: SpaceRobot = field(repr=False)
+    robot: Layout = field(repr=False)
     frame: str
     axes: tuple[bool, ...]
     joint: int = field(repr=False)
@@ -80,7 +77,7 @@ def parse_axes(axes: Axes) -> tuple[bool, ...]:
     return tuple(bool(one) for one in taken)
 
 
-def check_owner(robot: SpaceRobot, point: OperationalPoint) -> None:
+def check_owner(robot: Layout, point: OperationalPoint) -> None:
     """Raise `OspaceError` where `point` is another robot's, or not an `OperationalPoint`.
 
     A copy of a robot is another robot. Points and states that are copied or pickled in one go with their robot stay
@@ -105,7 +102,7 @@ def _not_a_point(given: object) -> OspaceError:
     return OspaceError(f"{given!r} is not an OperationalPoint: make one with robot.point('frame name')")
 
 
-def points_of(robot: SpaceRobot, points: OperationalPoint | Sequence[OperationalPoint]) -> tuple[OperationalPoint, ...]:
+def points_of(robot: Layout, points: OperationalPoint | Sequence[OperationalPoint]) -> tuple[OperationalPoint, ...]:
     """Return `points` as a tuple; raises `OspaceError` where there is none, or one that `check_owner` refuses."""
     try:
         given = (points,) if isinstance(points, OperationalPoint) else tuple(points)

@@ -147,18 +147,6 @@ class SpaceRobot(Layout):
         return names
 
     @cached_property
-    def _carried_frames(self) -> list[pin.Frame]:
-        """All frames but those of the universe and of the free-flyer, whose names a link or joint may bear as well."""
-        frames = [frame for frame in self.model.frames if frame.parentJoint > 0]
-        return [frame for frame in frames if frame.parentJoint > 1 or frame.type != pin.FrameType.JOINT]
-
-    @cached_property
-    def frame_names(self) -> list[str]:
-        """Names of all frames that can carry an operational point, links first."""
-        carried = sorted(self._carried_frames, key=lambda frame: frame.type != pin.FrameType.BODY)
-        return list(dict.fromkeys(frame.name for frame in carried))
-
-    @cached_property
     def leaf_links(self) -> list[str]:
         """Links from which no joint goes on; the base alone where there is no joint."""
         frames = self.model.frames
@@ -184,21 +172,13 @@ class SpaceRobot(Layout):
         OspaceError
             The name is unknown, or belongs to several frames in different places; `axes` or `offset` make no sense.
         """
-        named = [one for one in self._carried_frames if one.name == frame]
-        if not named:
-            raise OspaceError(f"robot '{self.name}' has no frame '{frame}'{closest(str(frame), self.frame_names)}")
-        first = named[0]
-        if any(one.parentJoint != first.parentJoint or one.placement != first.placement for one in named):
-            raise OspaceError(
-                f"frame '{frame}' of robot '{self.name}' is ambiguous: {len(named)} links or joints of that name "
-                f"lie in different places; rename one of them in the URDF"
-            )
+        carrier = self.frame(frame)
         if offset is not None and not isinstance(offset, pin.SE3):
             raise OspaceError(f"offset {offset!r}: give a pin.SE3, or None for the frame itself")
-        placement = first.placement if offset is None else first.placement * offset
+        placement = carrier.placement if offset is None else carrier.placement * offset
         if not np.isfinite(placement.homogeneous).all():
             raise OspaceError(f"offset of point '{frame}' is not finite")
-        return OperationalPoint(self, frame, parse_axes(axes), int(first.parentJoint), placement)
+        return OperationalPoint(self, frame, parse_axes(axes), int(carrier.parentJoint), placement)
 
     def state(self, q: npt.ArrayLike, v: npt.ArrayLike | None = None) -> State:
         """Take the robot at configuration `q` and velocity `v`.

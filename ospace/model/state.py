@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -14,10 +14,8 @@ from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
 from ospace.kernels.workspace import view_of_links
 from ospace.model.joint_positions import norm_error
+from ospace.model.layout import Layout
 from ospace.model.points import OperationalPoint, check_owner
-
-if TYPE_CHECKING:
-    from ospace.model.robot import SpaceRobot
 
 QUATERNION_TOLERANCE = 1e-6
 """How far the length of a quaternion, or of a (cos, sin) pair, may be from one; it is then set to one."""
@@ -39,7 +37,7 @@ class State:
         `a` of `ospace.kernels.workspace.Work`, side by side.
     """
 
-    def __init__(self, robot: SpaceRobot, q: npt.ArrayLike, v: npt.ArrayLike | None = None) -> None:
+    def __init__(self, robot: Layout, q: npt.ArrayLike, v: npt.ArrayLike | None = None) -> None:
         self.robot = robot
         q = _copied(q, robot.nq, "q", robot.name)
         v = np.zeros(robot.nv) if v is None else _copied(v, robot.nv, "v", robot.name)
@@ -116,14 +114,14 @@ def _copied(given: npt.ArrayLike, size: int, name: str, robot: str) -> Floats:
     return checked_vector(given, size, name, robot)
 
 
-def checked_state(robot: SpaceRobot, q: npt.ArrayLike, v: npt.ArrayLike) -> tuple[Floats, Floats]:
+def checked_state(robot: Layout, q: npt.ArrayLike, v: npt.ArrayLike) -> tuple[Floats, Floats]:
     """Return copies of `q`, its quaternions at unit length, and `v`; raise `OspaceError` where they are no state."""
     q, v = checked_vector(q, robot.nq, "q", robot.name), checked_vector(v, robot.nv, "v", robot.name)
     _normalize(robot, q)
     return q, v
 
 
-def _normalize(robot: SpaceRobot, q: Floats) -> None:
+def _normalize(robot: Layout, q: Floats) -> None:
     """Bring quaternions and (cos, sin) pairs to unit length, in place; raise where they are far from it."""
     model = robot.model
     unit = pin.normalize(model, q)

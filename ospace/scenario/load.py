@@ -22,6 +22,7 @@ from ospace.scenario.table import Problem
 from ospace.simulation import rigid_body, tumbling
 
 _LARGEST_FILE = 1_000_000
+_RobotAtStart = tuple[SpaceRobot, State] | tuple[None, None]
 
 
 def load(path: str | os.PathLike[str]) -> Scenario:
@@ -53,12 +54,23 @@ def load(path: str | os.PathLike[str]) -> Scenario:
     tables = list(read.tables())
     problems = [problem for table in tables for problem in table.problems()]
     robots = _Robots(file.parent, problems)
-    start = robots.chaser(read.robot) if isinstance(read.robot, RobotTable) else None
-    target = None if read.target is None else robots.target(read.target)
-    if start is None:
+    chaser, start = robots.chaser(read.robot) if isinstance(read.robot, RobotTable) else (None, None)
+    target_robot, target = (None, None) if read.target is None else robots.target(read.target)
+    if chaser is None or start is None:
         raise ScenarioError(file, problems)
-    base, name = read.robot.make_base(), read.name or file.stem
-    made = Scenario(file, source, name, start, target, base, read.limits, read.control, tuple(read.phase))
+    made = Scenario(
+        path=file,
+        source=source,
+        name=read.name or file.stem,
+        robot=chaser,
+        start=start,
+        target_robot=target_robot,
+        target=target,
+        base=read.robot.make_base(),
+        limits=read.limits,
+        control=read.control,
+        phases=tuple(read.phase),
+    )
     rehearse(made, problems, target_known="target" not in read.model_fields_set or target is not None)
     if problems:
         raise ScenarioError(file, problems)
@@ -80,16 +92,16 @@ def _text(file: Path) -> str:
 
 
 class _Robots:
-    """Makes the robots of a scenario in their states; what is wrong goes to `problems`, and None comes back."""
+    """Makes the robots of a scenario in their states; what is wrong goes to `problems`, and None twice comes back."""
 
     def __init__(self, folder: Path, problems: list[Problem]) -> None:
         self.folder, self.problems = folder, problems
 
-    def chaser(self, table: RobotTable) -> State | None:
-        """Return the chaser's state at the start."""
+    def chaser(self, table: RobotTable) -> _RobotAtStart:
+        """Return the chaser and its state at the start."""
         robot = self._model(table.model, table.path("model"))
         if robot is None:
-            return None
+            return None, None
         positions, wrong = POSITIONS.read(table.joints, robot, table.path("joints"))
         rates, wrong_rates = RATES.read(table.joint_rates, robot, table.path("joint_rates"))
         self.problems += wrong + wrong_rates
@@ -98,23 +110,23 @@ class _Robots:
         for name, rate in rates.items():
             v[6:][robot.rates_of(name)] = rate
         try:
-            return robot.state(robot.configuration(_all_joints(robot, positions), table.pose), v)
+            return robot, robot.state(robot.configuration(_all_joints(robot, positions), table.pose), v)
         except OspaceError as error:
             self.problems.append((table.key, str(error)))
-            return None
+            return None, None
 
-    def target(self, table: TargetTable) -> State | None:
-        """Return the target's state at the start."""
+    def target(self, table: TargetTable) -> _RobotAtStart:
+        """Return the target and its state at the start."""
         robot = self._model(table.model, table.path("model")) if table.model else self._body(table.body)
         if robot is None:
-            return None
+            return None, None
         positions, wrong = POSITIONS.read(table.joints, robot, table.path("joints"))
         self.problems += wrong
         try:
-            return tumbling(robot, table.pose, table.spin, table.velocity, _all_joints(robot, positions))
+            return robot, tumbling(robot, table.pose, table.spin, table.velocity, _all_joints(robot, positions))
         except OspaceError as error:
             self.problems.append((table.key, str(error)))
-            return None
+            return None, None
 
     def _model(self, given: str, key: str) -> SpaceRobot | None:
         """Read a file beside the scenario, or a robot that comes with ospace."""

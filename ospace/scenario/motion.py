@@ -33,6 +33,7 @@ from ospace.kernels.minimum_jerk import rest_to_rest
 from ospace.kernels.so3 import rodrigues
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint
+from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
 from ospace.simulation import Certificate, simulate
 from ospace.simulation.plant import Plant
@@ -88,6 +89,7 @@ class FreeMotion:
 
     Parameters
     ----------
+    robot : SpaceRobot
     start : State
     first : int
         Control cycle of the start.
@@ -105,13 +107,14 @@ class FreeMotion:
 
     def __init__(
         self,
+        robot: SpaceRobot,
         start: State,
         first: int = 0,
         period: float = 1e-3,
         step: float | None = None,
         integrator: str = "rk4",
     ) -> None:
-        self.robot, self.first = start.robot, first
+        self.robot, self.first = robot, first
         self._period, self._step, self._integrator = period, step or period, integrator
         self._q, self._v = [start.q.copy()], [start.v.copy()]
         self.certificates: list[Certificate] = []

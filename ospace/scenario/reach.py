@@ -19,8 +19,8 @@ import pinocchio as pin
 
 from ospace.kernels.tree import Floats
 from ospace.model.joint_positions import unit_of
+from ospace.model.layout import Layout
 from ospace.model.points import OperationalPoint
-from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
 
 _TURNING = ("JointModelR", "JointModelSpherical", "JointModelUniversal")
@@ -108,13 +108,13 @@ def _spread(point: OperationalPoint) -> float:
     return total / robot.total_mass
 
 
-def _between(robot: SpaceRobot, a: int, b: int) -> float:
+def _between(robot: Layout, a: int, b: int) -> float:
     """Return the length of the way from one joint's frame to another's, m."""
     ways = set(robot.model.supports[a]) ^ set(robot.model.supports[b])
     return sum(_length(robot, j) for j in ways)
 
 
-def _length(robot: SpaceRobot, j: int) -> float:
+def _length(robot: Layout, j: int) -> float:
     """Return how far the frame of joint `j` may be from that of the joint before it, m."""
     model, joint = robot.model, robot.model.joints[j]
     offset = float(np.linalg.norm(model.jointPlacements[j].translation))

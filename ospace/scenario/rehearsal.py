@@ -16,7 +16,6 @@ import pinocchio as pin
 
 from ospace.control import Controller, Task
 from ospace.exceptions import OspaceError, closest
-from ospace.model.points import OperationalPoint
 from ospace.model.robot import SpaceRobot
 from ospace.scenario.reach import Region, apart, mass_centre, of_target, reached
 from ospace.scenario.schema import (
@@ -77,7 +76,7 @@ class _Names:
 
     def robots(self) -> Iterator[SpaceRobot]:
         """Check the phases in their order, and yield the robot that each has; the chaser where that is not known."""
-        chaser, target = self.scenario.robot, self.scenario.target
+        chaser, target = self.scenario.robot, self.scenario.target_robot
         robot, held = chaser, False
         frames: Sequence[str] = chaser.frame_names
         for phase in self.scenario.phases:
@@ -87,8 +86,8 @@ class _Names:
             if "grasp" in phase.model_fields_set:
                 combined = None if phase.grasp is None else self._grasp(phase.grasp, held)
                 robot, held = combined or robot, True
-                names = target.robot.frame_names if target is not None else ()
-                either = (*chaser.frame_names, *names, *(f"{target.robot.name}/{name}" for name in names if target))
+                names = target.frame_names if target is not None else ()
+                either = (*chaser.frame_names, *names, *(f"{target.name}/{name}" for name in names if target))
                 frames = robot.frame_names if combined else either
             elif phase.release:
                 if not held:
@@ -103,11 +102,11 @@ class _Names:
         self.problems += task.postures(robot)[1]
         goal = task.followed
         if isinstance(goal, Follow):
-            key, target = goal.path("follow"), self.scenario.target
+            key, target = goal.path("follow"), self.scenario.target_robot
             if held:
                 self.problems.append((key, f"the target is held already{where or f' in phase {phase.name!r}'}"))
             elif target is not None:
-                self._frame(key, goal.follow, target.robot.name, target.robot.frame_names)
+                self._frame(key, goal.follow, target.name, target.frame_names)
             elif self.target_known:
                 self.problems.append((key, "there is no target to follow: give a table [target]"))
         if not self.problems[:known] and len(self.problems) == known:
@@ -118,23 +117,24 @@ class _Names:
 
     def _grasp(self, table: GraspTable, held: bool) -> SpaceRobot | None:
         """Return the combined robot, where it can be made."""
-        start, target, known = self.scenario.start, self.scenario.target, len(self.problems)
+        robot, target, known = self.scenario.robot, self.scenario.target_robot, len(self.problems)
         if held:
             self.problems.append((table.key, "the target is held already"))
         elif target is None and self.target_known:
             self.problems.append((table.key, "there is no target to grasp: give a table [target]"))
-        self._frame(table.path("hand"), table.hand, start.robot.name, start.robot.frame_names)
-        if target is None:
+        self._frame(table.path("hand"), table.hand, robot.name, robot.frame_names)
+        if target is None or self.scenario.target is None:
             return None
-        self._frame(table.path("fixture"), table.fixture, target.robot.name, target.robot.frame_names)
+        self._frame(table.path("fixture"), table.fixture, target.name, target.frame_names)
         if len(self.problems) > known or not (table.hand and table.fixture):
             return None
         try:
-            hand, fixture = start.robot.point(table.hand), target.robot.point(table.fixture)
-            q = target.q.copy()  # the target where it will be: at the hand
-            there = start.placement(hand) * target.placement(fixture).inverse()
-            q[:7] = pin.SE3ToXYZQUAT(there * target.robot.base_pose(q))
-            return grasp(start, hand, target.robot.state(q, target.v), fixture).state.robot
+            hand, fixture = robot.point(table.hand), target.point(table.fixture)
+            start, free = self.scenario.start, self.scenario.target
+            q = free.q.copy()  # the target where it will be: at the hand
+            there = start.placement(hand) * free.placement(fixture).inverse()
+            q[:7] = pin.SE3ToXYZQUAT(there * target.base_pose(q))
+            return grasp(start, hand, target.state(q, free.v), fixture).robot
         except OspaceError as error:
             self.problems.append((table.key, str(error)))
             return None
@@ -158,7 +158,7 @@ class _Reach:
         self.scenario, self.problems = scenario, problems
         self._begins = self._ends = 0.0  # the earliest and the latest time, s
         start, self._force = scenario.start, float(np.linalg.norm(scenario.base.limits[:3]))
-        inside = not start.robot.outside_limits(start.q)
+        inside = not scenario.robot.outside_limits(start.q)
         self._centre = mass_centre((start,), self._force) if inside else None  # else joints may slide to anywhere
         self._target = scenario.target  # as long as it moves by itself, from the start on
         self._rests = inside and not start.v.any()
@@ -211,9 +211,9 @@ class _Reach:
 
     def _goal(self, plan: TaskTable, task: Task) -> Region | None:
         """Return where the goal of a task is, if that is known."""
-        start, goal = self.scenario.start, plan.followed
-        if isinstance(goal, Follow) and self._target is not None:
-            return of_target(self._target, self._target.robot.point(goal.follow, offset=goal.offset.pose))
+        start, target, goal = self.scenario.start, self.scenario.target_robot, plan.followed
+        if isinstance(goal, Follow) and target is not None and self._target is not None:
+            return of_target(self._target, target.point(goal.follow, offset=goal.offset.pose))
         if isinstance(goal, ToPose) and goal.position is not None:
             return Region.still(goal.position)
         if isinstance(goal, Shift) and self._first:
@@ -227,13 +227,13 @@ class _Reach:
     # -- grasps ----------------------------------------------------------------------------------------------
 
     def _grasp(self, phase: PhaseTable, plan: GraspTable, first: float, last: float) -> None:
-        start, target = self.scenario.start, self.scenario.target
-        if target is None:
+        start, target = self.scenario.start, self.scenario.target_robot
+        if target is None or any(self._ends_apart(phase, plan, task, target) for task in phase.tasks):
             return
-        hand, fixture = start.robot.point(plan.hand), target.robot.point(plan.fixture)
-        if any(self._ends_apart(phase, plan, task, hand, fixture) for task in phase.tasks) or self._target is None:
+        if self._target is None:
             return
-        there, near = of_target(target, fixture), plan.position + _ROUNDING
+        hand, fixture = self.scenario.robot.point(plan.hand), target.point(plan.fixture)
+        there, near = of_target(self._target, fixture), plan.position + _ROUNDING
         if self._centre is not None:
             off = reached(hand, self._centre).distance(there, first, last)
             if off > near:
@@ -245,16 +245,15 @@ class _Reach:
             what = f"no task moves '{plan.hand}', which stays at least {off * 1e3:.4g} mm from '{plan.fixture}'"
             self.problems.append((f"{phase.key}.grasp", f"{what}: a grasp needs {plan.position * 1e3:g} mm"))
 
-    def _ends_apart(
-        self, phase: PhaseTable, plan: GraspTable, task: TaskTable, hand: OperationalPoint, fixture: OperationalPoint
-    ) -> bool:
+    def _ends_apart(self, phase: PhaseTable, plan: GraspTable, task: TaskTable, target: SpaceRobot) -> bool:
         """Return whether a task is done only where hand and fixture are too far from each other, and note that."""
         goal, done = task.followed, task.completion
         if not isinstance(goal, Follow) or done is None or task.type not in _PLACED:
             return False
-        made = task.task(hand.robot)
-        (point,), rows = made.points, made.rows(hand.robot)
-        followed = fixture.robot.point(goal.follow, offset=goal.offset.pose)
+        robot = self.scenario.robot
+        made, hand, fixture = task.task(robot), robot.point(plan.hand), target.point(plan.fixture)
+        (point,), rows = made.points, made.rows(robot)
+        followed = target.point(goal.follow, offset=goal.offset.pose)
         if point.joint != hand.joint or followed.joint != fixture.joint:
             return False
         at_point = point.placement.actInv(hand.placement)

@@ -14,6 +14,7 @@ import pinocchio as pin
 from ospace.control import Command, Controller, Function
 from ospace.control.references import Reference
 from ospace.kernels.tree import Floats
+from ospace.model.layout import Layout
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
 from ospace.scenario.cycle_log import CycleLog
@@ -143,9 +144,9 @@ class _Running:
         self.scenario, self.progress, self.watch = scenario, progress, watch
         self.period, self.step = scenario.control.period, scenario.control.step
         self.ticks = round(self.period / self.step)
-        self.state = scenario.start
+        self.robot, self.state = scenario.robot, scenario.start
         self.cycle = 0
-        self.target = self._free(scenario.target) if scenario.target is not None else None
+        self.target = self._free(scenario.target)
         self.held: Grasp | None = None
         self.wheels = np.zeros(3)
         self.shared: dict[str, Reference] = {}
@@ -182,20 +183,23 @@ class _Running:
 
     def states(self, cycle: int, q: Floats, v: Floats) -> States:
         """Return the states at a cycle, of which (q, v) is the controlled robot's."""
-        state = self.state.robot.state(q, v)
+        state = self.robot.state(q, v)
         if self.held is not None:
             return States(*self.held.release(q, v), state)
         return States(state, None if self.target is None else self.target.state(cycle), state)
 
-    def _free(self, state: State) -> FreeMotion:
-        control = self.scenario.control
-        return FreeMotion(state, self.cycle, control.period, control.step, control.integrator)
+    def _free(self, state: State | None) -> FreeMotion | None:
+        """Return the target as it moves by itself from `state` on; None where there is none."""
+        robot, control = self.scenario.target_robot, self.scenario.control
+        if robot is None or state is None:
+            return None
+        return FreeMotion(robot, state, self.cycle, control.period, control.step, control.integrator)
 
     # -- one segment -----------------------------------------------------------------------------------------
 
     def _segment(self, plans: list[PhaseTable]) -> bool:
         """Run the phases up to the next grasp or release; return whether all are complete."""
-        robot = self.state.robot
+        robot = self.robot
         conductor = _Conductor(self, robot, plans)
         cycles = sum(math.ceil(plan.timeout / self.period - _ROUNDING) for plan in plans)
         failure, first = "", self.cycle
@@ -253,7 +257,7 @@ class _Running:
         """Do what ends a phase; return whether the run can go on."""
         if plan.release and self.held is not None:
             self.state, target = self.held.release(self.state.q, self.state.v)
-            self.held, self.target = None, self._free(target)
+            self.robot, self.held, self.target = self.scenario.robot, None, self._free(target)
             for task in (task for phase in self.scenario.phases for task in phase.tasks):
                 if isinstance(task.followed, Follow):
                     self.shared.pop(task.name, None)  # it followed the target as it moved before the grasp
@@ -263,7 +267,7 @@ class _Running:
 
     def _grasp(self, plan: GraspTable, free: FreeMotion) -> bool:
         chaser, target = self.state, free.state(self.cycle)
-        held = grasp(chaser, chaser.robot.point(plan.hand), target, target.robot.point(plan.fixture))
+        held = grasp(chaser, self.robot.point(plan.hand), target, free.robot.point(plan.fixture))
         last = self.results[-1]
         self.results[-1] = replace(last, grasp=Contact.of(held))
         if held.position_error > plan.position or held.angle_error > plan.angle:
@@ -276,7 +280,7 @@ class _Running:
             return False
         self.acts += conserved_in_grasp(chaser, target, held, self.cycle * self.period)
         self.certificates += free.certificates
-        self.state, self.held, self.target = held.state, held, None
+        self.robot, self.state, self.held, self.target = held.robot, held.state, held, None
         return True
 
 
@@ -325,10 +329,10 @@ def conserved_in_grasp(chaser: State, target: State, held: Grasp, time: float) -
     """Return how well a grasp kept the momentum of both, and accounts for the energy; seen moving with the chaser."""
     frame = MovingFrame.of(chaser)
     parts = [_momentum(*frame.from_user_frame(one.q, one.v), one.robot) for one in (chaser, target)]
-    whole = _momentum(*frame.from_user_frame(held.state.q, held.state.v), held.state.robot)
+    whole = _momentum(*frame.from_user_frame(held.state.q, held.state.v), held.robot)
     before = parts[0][0] + parts[1][0]
     energy = parts[0][1] + parts[1][1]
-    mass = held.state.robot.total_mass
+    mass = held.robot.total_mass
     scale = math.sqrt(2.0 * mass * energy)
     error = relative(np.abs(whole[0] - before), scale).max()
     (lost,) = relative(np.abs([energy - whole[1] - held.energy_lost]), energy)
@@ -338,7 +342,7 @@ def conserved_in_grasp(chaser: State, target: State, held: Grasp, time: float) -
     ]
 
 
-def _momentum(q: Floats, v: Floats, robot: SpaceRobot) -> tuple[Floats, float]:
+def _momentum(q: Floats, v: Floats, robot: Layout) -> tuple[Floats, float]:
     """Return linear momentum and angular momentum about the frame's origin (6,), and kinetic energy."""
     data = robot.model.createData()
     hg = pin.computeCentroidalMomentum(robot.model, data, q, v)

@@ -783,10 +783,13 @@ class Scenario:
     source : str
         The text of the file.
     name : str
+    robot : SpaceRobot
+        The chaser.
     start : State
         Of the chaser.
+    target_robot : SpaceRobot, optional
     target : State, optional
-        At the start.
+        Of the target at the start.
     base : Base
     limits : LimitsTable
     control : ControlTable
@@ -796,17 +799,14 @@ class Scenario:
     path: Path
     source: str
     name: str
+    robot: SpaceRobot
     start: State
+    target_robot: SpaceRobot | None
     target: State | None
     base: Base
     limits: LimitsTable
     control: ControlTable
     phases: tuple[PhaseTable, ...]
-
-    @property
-    def robot(self) -> SpaceRobot:
-        """The chaser."""
-        return self.start.robot
 
 
 def json_schema() -> dict[str, Any]:

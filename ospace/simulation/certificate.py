@@ -21,14 +21,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
 from ospace.kernels.tree import Floats
-
-if TYPE_CHECKING:
-    from ospace.simulation.trajectory import Trajectory
 
 LIMITS = {"linear momentum": 1e-9, "angular momentum": 1e-9, "work and energy": 1e-8, "unit rotations": 1e-9}
 """Largest error relative to its scale that passes."""
@@ -125,18 +122,47 @@ class Certificate:
         return "\n".join(map(str, self.quantities))
 
 
-def certify(run: Trajectory) -> Certificate:
+class Recorded(Protocol):
+    """What balances are taken of: a run in N records, with these attributes of `ospace.simulation.Trajectory`."""
+
+    @property
+    def time(self) -> Floats: ...  # noqa: D102
+    @property
+    def momentum(self) -> Floats: ...  # noqa: D102
+    @property
+    def wheel_momentum(self) -> Floats: ...  # noqa: D102
+    @property
+    def mass_centre(self) -> Floats: ...  # noqa: D102
+    @property
+    def kinetic_energy(self) -> Floats: ...  # noqa: D102
+    @property
+    def work(self) -> Floats: ...  # noqa: D102
+    @property
+    def dissipated(self) -> Floats: ...  # noqa: D102
+    @property
+    def impulse(self) -> Floats: ...  # noqa: D102
+    @property
+    def rotation_drift(self) -> Floats: ...  # noqa: D102
+    @property
+    def total_mass(self) -> float: ...  # noqa: D102
+    @property
+    def largest_inertia(self) -> float: ...  # noqa: D102
+    @property
+    def integrator(self) -> str: ...  # noqa: D102
+
+
+def certify(run: Recorded) -> Certificate:
     """Return the certificate of a run: the worst of each balance."""
     return Certificate(tuple(balance.worst(run.time) for balance in balances(run)))
 
 
-def balances(run: Trajectory) -> tuple[Balance, ...]:
+def balances(run: Recorded) -> tuple[Balance, ...]:
     """Return what the certificate is made of, record by record."""
     with np.errstate(invalid="ignore", over="ignore"):  # what that leaves is not computable, and fails
         return _balances(run)
 
 
-def _balances(run: Trajectory) -> tuple[Balance, ...]:
+def _balances(run: Recorded) -> tuple[Balance, ...]:
     f, moment = run.impulse[:, :3], run.impulse[:, 3:]
     p, h = run.momentum[:, :3], run.momentum[:, 3:]
     linear = p - p[0] - f

@@ -21,6 +21,7 @@ import pinocchio as pin
 
 from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats, Ints
+from ospace.model.layout import Layout
 from ospace.model.robot import SpaceRobot
 
 _PER_VELOCITY = (  # the same limits bear older names too, which come first
@@ -81,7 +82,7 @@ class CombinedModel:
     second: RowMap
 
 
-def join(first: SpaceRobot, at: int, second: SpaceRobot, held: int, T_AH: pin.SE3) -> CombinedModel:
+def join(first: Layout, at: int, second: Layout, held: int, T_AH: pin.SE3) -> CombinedModel:
     """Fix joint frame `held` of `second` to joint frame `at` of `first`, at the pose `T_AH`.
 
     Raises
@@ -106,7 +107,7 @@ def join(first: SpaceRobot, at: int, second: SpaceRobot, held: int, T_AH: pin.SE
 
 
 class _Builder:
-    def __init__(self, first: SpaceRobot, second: SpaceRobot) -> None:
+    def __init__(self, first: Layout, second: Layout) -> None:
         self.first, self.second = first.model, second.model
         self.prefix = f"{second.name}/"
         self.model = pin.Model()

@@ -20,6 +20,7 @@ from ospace.checks import check_kind
 from ospace.dynamics.operational_space import operational_space
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint, check_owner
+from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
 from ospace.simulation.combined_model import CombinedModel, join
 from ospace.simulation.moving_frame import MovingFrame
@@ -34,7 +35,7 @@ class Grasp:
     Attributes
     ----------
     state : State
-        Of the combined robot (`state.robot`) just after the grasp.
+        Of the combined robot just after the grasp.
     impulse : (6,)
         λ, from chaser to target, inertial axes, at the chaser's point; N s, N m s.
     energy_lost : float
@@ -59,6 +60,11 @@ class Grasp:
     _hand: int = field(repr=False)
     _held: int = field(repr=False)
     _T_HT: pin.SE3 = field(repr=False)
+
+    @property
+    def robot(self) -> SpaceRobot:
+        """The combined robot."""
+        return self._joined.robot
 
     def release(self, q: npt.ArrayLike, v: npt.ArrayLike) -> tuple[State, State]:
         """Return the states of chaser and target that let go of each other in the combined robot's state (q, v)."""
@@ -91,7 +97,7 @@ def grasp(chaser: State, hand: OperationalPoint, target: State, fixture: Operati
     check_owner(chaser.robot, hand)
     check_owner(target.robot, fixture)
     frame = MovingFrame.of(chaser)
-    before_c, before_t = (one.robot.state(*frame.from_user_frame(one.q, one.v)) for one in (chaser, target))
+    before_c, before_t = (State(one.robot, *frame.from_user_frame(one.q, one.v)) for one in (chaser, target))
     T_hand, T_fixture = before_c.placement(hand), before_t.placement(fixture)
     mismatch = T_hand.actInv(T_fixture)
 
@@ -99,7 +105,7 @@ def grasp(chaser: State, hand: OperationalPoint, target: State, fixture: Operati
     at_hand = replace(fixture, axes=_ALL, placement=fixture.placement * mismatch.inverse())
     impulse, velocity_error, changes = _impact(before_c, replace(hand, axes=_ALL), before_t, at_hand)
     after_c, after_t = (
-        one.robot.state(one.q, one.v + _in_base_axes(one, change))
+        State(one.robot, one.q, one.v + _in_base_axes(one, change))
         for one, change in zip((before_c, before_t), changes, strict=True)
     )
 
@@ -115,8 +121,8 @@ def grasp(chaser: State, hand: OperationalPoint, target: State, fixture: Operati
         position_error=float(np.linalg.norm(T_fixture.translation - T_hand.translation)),
         angle_error=float(np.linalg.norm(pin.log3(mismatch.rotation))),
         velocity_error=velocity_error,
-        chaser=after_c.robot.state(*frame.to_user_frame_at(0.0, after_c.q, after_c.v)),
-        target=after_t.robot.state(*frame.to_user_frame_at(0.0, after_t.q, after_t.v)),
+        chaser=State(after_c.robot, *frame.to_user_frame_at(0.0, after_c.q, after_c.v)),
+        target=State(after_t.robot, *frame.to_user_frame_at(0.0, after_t.q, after_t.v)),
         _joined=joined,
         _hand=joined.first_joints[hand.joint],
         _held=fixture.joint,
@@ -157,7 +163,7 @@ def release(held: Grasp, q: npt.ArrayLike, v: npt.ArrayLike) -> tuple[State, Sta
     X = own.oMi[held._held]
     part_q[:7] = pin.SE3ToXYZQUAT(data.oMi[held._hand] * held._T_HT * X.inverse())
     part_v[:6] = X.act(held._T_HT.actInv(data.v[held._hand]) - own.v[held._held]).vector
-    chaser, target = (one.state(*frame.to_user_frame_at(0.0, a, b)) for one, a, b in parts)
+    chaser, target = (State(one, *frame.to_user_frame_at(0.0, a, b)) for one, a, b in parts)
     return chaser, target
 
 

@@ -78,7 +78,7 @@ class AgreementTable:
         Compiled, or else interpreted and of the first points alone.
         """
         of = samples if compiled else [sample.with_few_points() for sample in samples]
-        robot, points = of[0].state.robot, of[0].points
+        robot, points = of[0].robot, of[0].points
         Q, V = (np.array([getattr(sample.state, name) for sample in of]) for name in "qv")
         if compiled:
             batch = operational_space_batch(robot, points, Q, V, QUANTITIES)

@@ -158,7 +158,7 @@ def check(
     together: list[Sample] = []
     try:
         for done in range(1, samples + 1):
-            sample = Sample(random_state(robot, rng, far=done % 2 == 0), points, rng)
+            sample = Sample(robot, random_state(robot, rng, far=done % 2 == 0), points, rng)
             table.add(sample)
             extremes.add(sample)
             if reader is not None:

@@ -26,6 +26,7 @@ from ospace.kernels import evaluation
 from ospace.kernels.spatial import diagonal
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint
+from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
 from ospace.validation.perturbation import Factor, InversePerturbation, rank_is_decided
 
@@ -43,13 +44,15 @@ class OfPoints(Protocol):
 class Sample:
     """One state with random loads: results of the recursions beside the dense forms, each computed once."""
 
-    def __init__(self, state: State, points: Sequence[OperationalPoint], rng: np.random.Generator) -> None:
-        self.state, self.points = state, tuple(points)
+    def __init__(
+        self, robot: SpaceRobot, state: State, points: Sequence[OperationalPoint], rng: np.random.Generator
+    ) -> None:
+        self.robot, self.state, self.points = robot, state, tuple(points)
         self.operational = operational_space(state, self.points)  # first: it refuses a joint without inertia
         self.dense = Dense(state, self.points)
         if not (np.diag(self.dense.H) > 0.0).all() or not (np.diag(self.dense.Gamma_e_inv) > 0.0).all():
             raise OspaceError("an inertia is not positive by Pinocchio: masses or lengths are too large or too small")
-        self.load = rng.normal(size=state.robot.nv) * self.velocity_scale
+        self.load = rng.normal(size=robot.nv) * self.velocity_scale
         self._Gamma: dict[int, InversePerturbation] = {}  # by the results that it is of, which the sample holds
         self.F_e = rng.normal(size=len(self.dense.J_e)) * self.point_scale
 
@@ -76,7 +79,7 @@ class Sample:
     @cached_property
     def evaluator(self) -> evaluator.OperationalSpaceEvaluator:
         """Everything that it offers, of links that the kernels place themselves."""
-        run = evaluator.OperationalSpaceEvaluator(self.state.robot, self.points, evaluator.QUANTITIES)
+        run = evaluator.OperationalSpaceEvaluator(self.robot, self.points, evaluator.QUANTITIES)
         return run.update(self.state.q, self.state.v)
 
     batch: Any
@@ -93,20 +96,20 @@ class Sample:
     @cached_property
     def each_point(self) -> list[Sample]:
         """The same state with each point alone."""
-        return [Sample(self.state, [point], np.random.default_rng(0)) for point in self.points]
+        return [Sample(self.robot, self.state, [point], np.random.default_rng(0)) for point in self.points]
 
     def with_few_points(self) -> Sample:
         """Return the same state with the first points alone."""
         if len(self.points) <= _FEW_POINTS:
             return self
-        return Sample(self.state, self.points[:_FEW_POINTS], np.random.default_rng(0))
+        return Sample(self.robot, self.state, self.points[:_FEW_POINTS], np.random.default_rng(0))
 
     # -- scales and conditions -------------------------------------------------------------------------------
 
     @cached_property
     def unit(self) -> float:
         """What rounding may amount to where nothing is inverted and nothing cancels."""
-        return self.state.robot.nv * FACTOR * float(np.finfo(float).eps)
+        return self.robot.nv * FACTOR * float(np.finfo(float).eps)
 
     @cached_property
     def velocity_scale(self) -> Floats:

@@ -71,7 +71,7 @@ class Live:
 
     def _seen(self, time: float, state: State) -> State:
         q, v = self._frame.to_user_frame(np.array([time]), state.q[None], state.v[None])
-        return state.robot.state(q[0], v[0])
+        return State(state.robot, q[0], v[0])
 
     def replay(self, run: Run) -> None:
         """Give the page the whole run as an animation, and serve it until Ctrl-C."""

@@ -26,6 +26,7 @@ from ospace.dynamics.joint_space import momentum
 from ospace.dynamics.operational_space import operational_space
 from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
+from ospace.model.layout import Layout
 from ospace.model.points import OperationalPoint
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
@@ -231,10 +232,10 @@ def _linear(points: Sequence[OperationalPoint]) -> list[OperationalPoint]:
     return [replace(point, axes=(True, True, True, False, False, False)) for point in points]
 
 
-def _on(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> list[OperationalPoint]:
+def _on(robot: Layout, points: Sequence[OperationalPoint]) -> list[OperationalPoint]:
     """Return the points on a combined robot, which has all frames of the robot that they were made for."""
     return [
-        point if point.robot is robot else replace(robot.point(point.frame, axes=point.axes), placement=point.placement)
+        point if point.robot is robot else replace(point, robot=robot, joint=int(robot.frame(point.frame).parentJoint))
         for point in points
     ]
 

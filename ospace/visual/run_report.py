@@ -61,7 +61,7 @@ def render(run: Run) -> str:
 
 def scene_of(scenario: Scenario) -> Scene:
     """Return the scene of a scenario at its start: the robot with the points of its tasks, and the target."""
-    robot, target = scenario.robot, scenario.target
+    robot, target = scenario.robot, scenario.target_robot
     tasks = [task for phase in scenario.phases for task in phase.tasks]
     points: list[OperationalPoint] = []
     for task in tasks:
@@ -73,8 +73,8 @@ def scene_of(scenario: Scenario) -> Scene:
                 points.append(point)
     scene = Scene(robot, points or None)
     if target is not None:
-        scene.add(target.robot)
-    scene.display(scenario.start.q, scenario.start.v, [] if target is None else [target.q])
+        scene.add(target)
+    scene.display(scenario.start.q, scenario.start.v, [] if scenario.target is None else [scenario.target.q])
     return scene
 
 
@@ -109,7 +109,7 @@ def motions_of(run: Run) -> tuple[Records, ...]:
     if not motions or len(motions[0].time) < 2:
         raise OspaceError("the run ended before its first step: nothing has moved")
     scenario, time = run.scenario, motions[0].time
-    robots = [scenario.robot] if scenario.target is None else [scenario.robot, scenario.target.robot]
+    robots = [scenario.robot] if scenario.target_robot is None else [scenario.robot, scenario.target_robot]
     return tuple(_going_on(one, robot, time) for one, robot in zip(motions, robots, strict=True))
 
 

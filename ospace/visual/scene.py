@@ -233,7 +233,7 @@ class Scene:
         else:
             own = held.q.copy()
             own[:3] -= self.frame.origin
-            self._place(held.robot.state(own, held.v))
+            self._place(State(held.robot, own, held.v))
         if not self._displayed:
             self._surround(*([own] for own in seen))
         self._displayed = True

@@ -20,7 +20,9 @@ def target():
 
 
 def free(target, spin=SPIN, **options):
-    return FreeMotion(tumbling(target, pin.SE3(pin.exp3(SPIN), np.array([1.0, 2.0, 3.0])), spin, SPIN), **options)
+    return FreeMotion(
+        target, tumbling(target, pin.SE3(pin.exp3(SPIN), np.array([1.0, 2.0, 3.0])), spin, SPIN), **options
+    )
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +91,7 @@ def test_the_goal_s_rates_are_derivatives(goal, cycle):
 def test_the_target_moves_by_itself_as_if_simulated_at_once(target):
     start = tumbling(target, pin.SE3.Identity(), SPIN, SPIN)
     run = ospace.simulate(target, start.q, start.v, duration=2.5)
-    motion = FreeMotion(start)
+    motion = FreeMotion(target, start)
     state = motion.state(2500)
     np.testing.assert_allclose(state.q, run.q[-1], rtol=0, atol=1e-12)
     np.testing.assert_allclose(state.v, run.v[-1], rtol=0, atol=1e-12)
@@ -109,7 +111,7 @@ def test_half_a_turn_and_more_of_the_goal_is_followed(target, begun):
     """A target that turns by 1000 deg in the meantime, about an axis that moves: no jump, derivatives, and the end."""
     spin = np.radians([60.0, -90.0, 130.0])
     start = tumbling(target, pin.SE3(begun[0].rotation, np.ones(3)), spin, SPIN)
-    goal = FreeMotion(start).frame(target.point("grapple"))
+    goal = FreeMotion(target, start).frame(target.point("grapple"))
     way = Approach(*begun, goal, duration=6.0 + 1e-9)
     for cycle in (1, 700, 1500, 2300, 3100, 3900, 4700, 5500, 5999):
         _, velocity, acceleration = way(cycle * PERIOD)
@@ -137,7 +139,7 @@ def test_the_point_turns_with_the_goal_any_number_of_turns(seconds):
     """A target that turns by 5 deg/s: the point makes its turns, less what it is ahead by at the start."""
     period = 0.01
     body = rigid_body(50.0, (3.0, 4.0, 5.0))
-    goal = FreeMotion(tumbling(body, pin.SE3.Identity(), np.radians([0.0, 0.0, 5.0])), period=period).frame(
+    goal = FreeMotion(body, tumbling(body, pin.SE3.Identity(), np.radians([0.0, 0.0, 5.0])), period=period).frame(
         body.point("target")
     )
     origin = pin.SE3(pin.exp3(np.array([0.0, 0.0, 0.4])), np.zeros(3))
@@ -177,7 +179,7 @@ def test_a_goal_of_a_target_with_friction_accelerates_as_the_target_does():
     robot = ospace.SpaceRobot.from_model(model)
     start = trees.state(robot, 4)
     period = 1e-4
-    goal = FreeMotion(start, period=period).frame(robot.point("link_2"))
+    goal = FreeMotion(robot, start, period=period).frame(robot.point("link_2"))
     before, at, after = (goal(k, k + 1) for k in (99, 100, 101))
     change = (after.velocity - before.velocity) / (2 * period)
     np.testing.assert_allclose(at.acceleration, change, rtol=0, atol=1e-5)
