@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import re
 import sys
 import tomllib
@@ -11,6 +10,7 @@ from importlib.metadata import packages_distributions, version
 from pathlib import Path
 
 import pytest
+from imports import imports_of
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -41,25 +41,18 @@ def with_extras(requirements):
     return names
 
 
-def imports_of(folder):
+def others_imported(folder):
     """Return modules of others that the files of a folder import, anywhere in them, and which files do."""
     found = defaultdict(list)
     for file in sorted(folder.rglob("*.py")):
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Import):
-                names = [alias.name for alias in node.names]
-            elif isinstance(node, ast.ImportFrom) and not node.level:
-                names = [node.module]
-            else:
-                continue
-            for name in names:
-                top = name.partition(".")[0]
-                if top != "ospace" and top not in sys.stdlib_module_names:
-                    found[top].append(file.relative_to(ROOT).as_posix())
+        for module, _ in imports_of(file):
+            top = module.partition(".")[0]
+            if top not in ("", "ospace") and top not in sys.stdlib_module_names:
+                found[top].append(file.relative_to(ROOT).as_posix())
     return found
 
 
-IMPORTS = imports_of(ROOT / "ospace")
+IMPORTS = others_imported(ROOT / "ospace")
 DISTRIBUTIONS = packages_distributions()
 
 
