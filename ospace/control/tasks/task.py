@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from numbers import Real
@@ -48,7 +49,7 @@ class Completion:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Task:
+class Task(ABC):
     """What a controller is to do; errors fall as those of a spring with a damper.
 
     Attributes
@@ -92,7 +93,7 @@ class Task:
             given = f"task '{self.name}': reference is {self.reference!r}"
             raise OspaceError(f"{given}: give a Constant, a MinimumJerk or a Function")
 
-    def check(self, robot: SpaceRobot, base: Base) -> None:
+    def check(self, robot: SpaceRobot, base: Base) -> None:  # noqa: B027 (most make sense for any robot)
         """Raise `OspaceError` where the task makes no sense for a robot whose base is acted upon so."""
 
     @property
@@ -123,7 +124,7 @@ class Task:
         made: Task = type(self)(**{**vars(self), "reference": reference})
         return made
 
-    def write(self, robot: SpaceRobot, q: Floats) -> None:
+    def write(self, robot: SpaceRobot, q: Floats) -> None:  # noqa: B027 (most hold no joints)
         """Put the joints that the task holds somewhere at their positions in `q` (nq,)."""
 
     def is_within(self, bounds: Completion, rows: Ints, error: Floats) -> bool:
@@ -131,9 +132,9 @@ class Task:
         position, angle = np.linalg.norm(error[rows < 3]), np.linalg.norm(error[rows >= 3])
         return bool(position <= bounds.position and angle <= bounds.angle)
 
+    @abstractmethod
     def rows(self, robot: SpaceRobot) -> list[int]:
-        """Which of six components, or which joints, the rows are."""
-        raise NotImplementedError
+        """Return which of six components, or which joints, the rows are."""
 
     def row_names(self, robot: SpaceRobot) -> list[str]:
         """Names of the rows."""

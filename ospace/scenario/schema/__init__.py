@@ -1,0 +1,33 @@
+"""Keys of a scenario file: what each may hold, its unit, bounds, default and meaning; the JSON Schema follows.
+
+Names of robots' joints and frames are checked where the robot is known, in `ospace.scenario.rehearsal`.
+"""
+
+from ospace.scenario.schema.control_tables import LimitsTable
+from ospace.scenario.schema.goal_tables import Follow, Hold, Shift, ToMomentum, ToPose
+from ospace.scenario.schema.keys import POSITIONS, RATES
+from ospace.scenario.schema.phase_tables import GraspTable, PhaseTable
+from ospace.scenario.schema.robot_tables import BodyTable, RobotTable, TargetTable
+from ospace.scenario.schema.scenario import Scenario, ScenarioTable, json_schema
+from ospace.scenario.schema.task_tables import TASKS, TaskTable
+
+__all__ = [
+    "POSITIONS",
+    "RATES",
+    "TASKS",
+    "BodyTable",
+    "Follow",
+    "GraspTable",
+    "Hold",
+    "LimitsTable",
+    "PhaseTable",
+    "RobotTable",
+    "Scenario",
+    "ScenarioTable",
+    "Shift",
+    "TargetTable",
+    "TaskTable",
+    "ToMomentum",
+    "ToPose",
+    "json_schema",
+]

@@ -1,0 +1,93 @@
+"""Tables of limits and of control: how far joints may go, periods, solver, integrator."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import AfterValidator, Field, model_validator
+
+from ospace.control import JointLimits
+from ospace.control.solvers import solver_named
+from ospace.exceptions import OspaceError
+from ospace.model.robot import SpaceRobot
+from ospace.scenario.schema.keys import ACCELERATIONS, Period, is_a
+from ospace.scenario.table import Either, OneOf, Problem, Table, Text
+from ospace.scenario.units import Quantity
+from ospace.simulation.integrators import INTEGRATORS
+
+_WHOLE = 1e-9
+
+
+def _installed(solver: str) -> str:
+    try:
+        solver_named(solver)
+    except OspaceError as error:
+        raise ValueError(str(error)) from None
+    return solver
+
+
+class LimitsTable(Table):
+    """Limits of the joints, taken from the model."""
+
+    share: Annotated[float, Quantity("number", above=0.0, most=1.0)] = Field(
+        1.0, description="Of the model's torque and velocity limits"
+    )
+    acceleration: Annotated[
+        float | dict[str, Any] | None,
+        Either(
+            is_a(dict),
+            {
+                "is": Annotated[dict[str, Any], ACCELERATIONS],
+                "else": Annotated[float, Quantity("angular acceleration", above=0.0, infinite=True)],
+            },
+        ),
+    ] = Field(None, description="Of all joints, or by joint name; sliding joints take the same number in m/s^2")
+
+    def accelerations(self, robot: SpaceRobot) -> tuple[dict[str, float], list[Problem]]:
+        """Return the limits of acceleration by joint, SI units, and what is wrong with others."""
+        if isinstance(self.acceleration, dict):
+            return ACCELERATIONS.read(self.acceleration, robot, self.path("acceleration"))
+        return {} if self.acceleration is None else dict.fromkeys(robot.joint_names, self.acceleration), []
+
+    def of(self, robot: SpaceRobot, actuated: SpaceRobot) -> JointLimits:
+        """Return the limits of `robot`, of whose joints those of `actuated` have drives."""
+        limits = JointLimits.of(robot, acceleration=self.accelerations(actuated)[0], share=self.share)
+        idle = np.array([name not in actuated.rate_names for name in robot.rate_names], dtype=bool)
+        if not idle.any():
+            return limits
+        free = np.where(idle, np.inf, 0.0)
+        return replace(
+            limits,
+            torque=np.where(idle, 0.0, limits.torque),
+            lower=limits.lower - free,
+            upper=limits.upper + free,
+            velocity=limits.velocity + free,
+            acceleration=limits.acceleration + free,
+        )
+
+
+class ControlTable(Table):
+    """How control and simulation go."""
+
+    period: Period = Field(1e-3, description="Of the control cycle, a whole number of steps")
+    step: Period = Field(1e-3, description="Of the integrator; the period if that is shorter")
+    solver: Annotated[Text, AfterValidator(_installed)] = Field(
+        "daqp", description="daqp, proxqp, or a back-end of qpsolvers that is installed"
+    )
+    integrator: Annotated[str, OneOf(INTEGRATORS)] = Field("rk4", description="Scheme that integrates the motion")
+
+    @model_validator(mode="after")
+    def _short_step(self) -> ControlTable:
+        if "step" not in self.model_fields_set:
+            self.step = min(self.step, self.period)
+        return self
+
+    def mistakes(self) -> Iterable[Problem]:
+        """Return whether the period is not a whole number of steps."""
+        count = self.period / self.step
+        if math.isfinite(count) and not (round(count) >= 1 and abs(count - round(count)) <= _WHOLE * max(1.0, count)):
+            yield self.path("period"), f"{self.period:g} s is not a whole number of steps of {self.step:g} s"

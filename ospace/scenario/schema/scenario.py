@@ -1,0 +1,94 @@
+"""The whole file, and the scenario that it becomes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field, model_validator
+
+from ospace.control import Base
+from ospace.model.robot import SpaceRobot
+from ospace.model.state import State
+from ospace.scenario.schema.control_tables import ControlTable, LimitsTable
+from ospace.scenario.schema.keys import default_table
+from ospace.scenario.schema.phase_tables import PhaseTable, same_names
+from ospace.scenario.schema.robot_tables import RobotTable, TargetTable
+from ospace.scenario.schema.task_tables import AnyTask
+from ospace.scenario.table import Array, Problem, Table, Text
+
+_MOST_STEPS = 2_000_000
+
+
+class ScenarioTable(Table):
+    """A scenario of ospace: a robot, perhaps a target, and phases with their tasks."""
+
+    name: Text | None = Field(None, description="Title; the file's name if left out")
+    robot: RobotTable = Field(description="The chaser")
+    target: TargetTable | None = Field(None, description="What it can grasp")
+    limits: LimitsTable = default_table(LimitsTable, "Limits of the joints")
+    control: ControlTable = default_table(ControlTable, "How control and simulation go")
+    task: Annotated[list[AnyTask], Array] = Field([], description="Tasks of all phases")
+    phase: Annotated[list[PhaseTable], Array] = Field(
+        description="Phases, in their order", json_schema_extra={"minItems": 1}
+    )
+
+    @model_validator(mode="after")
+    def _share(self) -> ScenarioTable:
+        for phase in self.phase:
+            phase._shared = self.task
+        return self
+
+    def mistakes(self) -> Iterator[Problem]:
+        """Yield what does not fit together in a scenario."""
+        if not self.phase and "phase" not in dict(self._noted):
+            yield "phase", "a scenario needs at least one phase, [[phase]]"
+        longest = sum(phase.timeout for phase in self.phase)
+        if longest > _MOST_STEPS * self.control.step:
+            what = f"time-outs of {longest:g} s in all are more than {_MOST_STEPS} steps of {self.control.step:g} s"
+            yield "phase", f"{what}: make them shorter, or control.step longer"
+        yield from same_names("phase", self.phase)
+
+
+@dataclass(frozen=True, eq=False)
+class Scenario:
+    """A scenario; read one with `ospace.scenario.load`.
+
+    Attributes
+    ----------
+    path : Path
+    source : str
+        The text of the file.
+    name : str
+    robot : SpaceRobot
+        The chaser.
+    start : State
+        Of the chaser.
+    target_robot : SpaceRobot, optional
+    target : State, optional
+        Of the target at the start.
+    base : Base
+    limits : LimitsTable
+    control : ControlTable
+    phases : tuple of PhaseTable
+    """
+
+    path: Path
+    source: str
+    name: str
+    robot: SpaceRobot
+    start: State
+    target_robot: SpaceRobot | None
+    target: State | None
+    base: Base
+    limits: LimitsTable
+    control: ControlTable
+    phases: tuple[PhaseTable, ...]
+
+
+def json_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a scenario file, draft 2020-12: each key with its meaning, unit, bounds and default."""
+    made = ScenarioTable.model_json_schema(mode="validation")
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "ospace scenario"} | made
