@@ -7,13 +7,13 @@ With the base quaternion (x, y, z, w) of q[3:7], R = R_WB and the wrench [f; n] 
 
 from __future__ import annotations
 
-from ospace.kernels.jit.compile import entry, inlined
+from ospace.kernels.jit.compile import Vec3, entry, inlined
 from ospace.kernels.spatial import add3, cross, scale3
 from ospace.kernels.tree import Floats
 
 
 @inlined
-def to_base_axes(q: Floats, a: tuple[float, ...]) -> tuple[float, ...]:
+def to_base_axes(q: Floats, a: Vec3) -> Vec3:
     """Rᵀ a = a − 2 w (e × a) + 2 e × (e × a), e the vector part."""
     e = (q[3], q[4], q[5])
     ea = cross(e, a)

@@ -15,7 +15,7 @@ inertia keeps the digits of small links at the end of long booms; what is left o
 
 from __future__ import annotations
 
-from ospace.kernels.jit.compile import Number, Row, Table, entry, inlined
+from ospace.kernels.jit.compile import Mat3, Number, Quaternion, Table, Vec3, entry, inlined
 from ospace.kernels.jit.load_store import (
     load3,
     load6,
@@ -94,7 +94,7 @@ def sines_cosines(q: Table, sine: Table, cosine: Table) -> None:
 
 
 @inlined
-def rotation(quaternion: Row) -> Row:
+def rotation(quaternion: Quaternion) -> Mat3:
     """The rotation of the unit quaternion x, y, z, w, by columns."""
     x, y, z, w = quaternion
     return (
@@ -105,13 +105,13 @@ def rotation(quaternion: Row) -> Row:
 
 
 @inlined
-def quaternion_in(q: Table, k: int) -> Row:
+def quaternion_in(q: Table, k: int) -> Quaternion:
     """The quaternion in `q` from row `k` on."""
     return (q[k, 0], q[k + 1, 0], q[k + 2, 0], q[k + 3, 0])
 
 
 @inlined
-def turned(R: Row, s: Number, c: Number) -> Row:
+def turned(R: Mat3, s: Number, c: Number) -> Mat3:
     """R Rot(z, φ), by sine and cosine of φ."""
     x, y = R[0:3], R[3:6]
     return add3(scale3(x, c), scale3(y, s)) + add3(scale3(y, c), scale3(x, -s)) + R[6:9]
@@ -165,7 +165,7 @@ def place_links(joints: Joints, w: Work, I: Table) -> None:
 
 
 @inlined
-def store_axes(S: Table, i: int, R: Row) -> None:
+def store_axes(S: Table, i: int, R: tuple[*Vec3, *Mat3]) -> None:
     """Write columns about the three axes of a link to the rows of `S` from `i` on; `R` follows three zeros."""
     store6(S, i, R[0:3] + R[3:6])
     store6(S, i + 1, R[0:3] + R[6:9])
@@ -173,7 +173,7 @@ def store_axes(S: Table, i: int, R: Row) -> None:
 
 
 @inlined
-def store_link(joints: Joints, w: Work, I: Table, i: int, R: Row, d: Row, r: Row) -> None:
+def store_link(joints: Joints, w: Work, I: Table, i: int, R: Mat3, d: Vec3, r: Vec3) -> None:
     """Write axes, way from the parent, position and inertia of link `i`."""
     store9(w.R, i, R)
     store3(w.d, i, d)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ospace.kernels.jit.compile import Number, Row, inlined
+from ospace.kernels.jit.compile import Number, Vec3, inlined
 
 
 @inlined
-def minimum_jerk(u: float) -> Row:
+def minimum_jerk(u: float) -> Vec3:
     """Way, velocity and acceleration of the quintic from 0 to 1, at rest at both ends."""
     if u <= 0.0:
         return (0.0, 0.0, 0.0)
@@ -16,7 +16,7 @@ def minimum_jerk(u: float) -> Row:
 
 
 @inlined
-def rest_to_rest(u: Number) -> Row:
+def rest_to_rest(u: Number) -> Vec3:
     """The same for u from 0 to 1; a number, or an array of them."""
     return (
         u * u * u * (10.0 + u * (-15.0 + 6.0 * u)),

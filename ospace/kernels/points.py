@@ -8,7 +8,7 @@ With p_e the position of point e about the base and r_k, S_k of joint k on the w
 
 from __future__ import annotations
 
-from ospace.kernels.jit.compile import Row, Table, inlined
+from ospace.kernels.jit.compile import Table, Vec3, Vec6, inlined
 from ospace.kernels.jit.load_store import load3, load6, load9, store3, store6_at
 from ospace.kernels.jit.simd import full_like
 from ospace.kernels.spatial import add3, add6, classical, motion_at, rotate, sub3
@@ -28,7 +28,7 @@ def place_points(nodes: Nodes, w: Work) -> None:
 
 
 @inlined
-def acceleration_at(nodes: Nodes, w: Work, n: int, a: Row) -> Row:
+def acceleration_at(nodes: Nodes, w: Work, n: int, a: Vec6) -> Vec6:
     """Classical acceleration of the point at node `n`, where `a` is its spatial one beyond that at zero φ̈."""
     arm, link = load3(w.arm, n), nodes.link[n]
     a_link, v = motion_at(arm, load6(w.a, link)), motion_at(arm, load6(w.v, link))
@@ -60,7 +60,7 @@ def point_jacobians(robot: Robot, w: Work) -> None:
 
 
 @inlined
-def joint_column(w: Work, p: Row, k: int) -> Row:
+def joint_column(w: Work, p: Vec3, k: int) -> Vec6:
     """Motion of a point at `p` per unit rate of joint `k` below it."""
     return motion_at(sub3(p, load3(w.r, k)), load6(w.S, k))
 

@@ -28,7 +28,7 @@ from ospace.kernels.articulated_body import (
     relative_pivot,
     trace_angular,
 )
-from ospace.kernels.jit.compile import Number, Row, Table, inlined
+from ospace.kernels.jit.compile import Mat6, Number, Table, inlined
 from ospace.kernels.jit.load_store import (
     add_to6,
     add_to21,
@@ -185,7 +185,7 @@ def collect(nodes: Nodes, w: Work, Gamma_inv: Table) -> None:
 
 
 @inlined
-def store_block(matrix: Table, e: int, d: int, K: Row) -> None:
+def store_block(matrix: Table, e: int, d: int, K: Mat6) -> None:
     """Write the 6×6 block (e, d)."""
     store6_at(matrix, 6 * e, 6 * d, K[0:6])
     store6_at(matrix, 6 * e + 1, 6 * d, K[6:12])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ospace.kernels.jit.compile import Number, Row, inlined
+from ospace.kernels.jit.compile import Mat3, Number, Vec3, inlined
 from ospace.kernels.spatial import scale3
 
 _SMALL = 1e-8
@@ -12,7 +12,7 @@ _NEAR_HALF_TURN = -0.99
 
 
 @inlined
-def exponential(rho: Row) -> Row:
+def exponential(rho: Vec3) -> Mat3:
     """Rotation by the vector ρ, by columns: 1 + sin θ [n]× + (1 − cos θ) [n]×², θ = |ρ|, n = ρ/θ."""
     theta = math.sqrt(rho[0] * rho[0] + rho[1] * rho[1] + rho[2] * rho[2])
     if theta < _SMALL:
@@ -22,7 +22,7 @@ def exponential(rho: Row) -> Row:
 
 
 @inlined
-def rodrigues(rho: Row, a: Number, b: Number) -> Row:
+def rodrigues(rho: Vec3, a: Number, b: Number) -> Mat3:
     """1 + a ρ̃ + b ρ̃², by columns; a = sin θ/θ, b = (1 − cos θ)/θ² = 2 (sin(θ/2)/θ)². Numbers, or arrays of them."""
     x, y, z = rho[0], rho[1], rho[2]
     return (
@@ -33,7 +33,7 @@ def rodrigues(rho: Row, a: Number, b: Number) -> Row:
 
 
 @inlined
-def rotation_vector(R: Row) -> Row:
+def rotation_vector(R: Mat3) -> Vec3:
     """Return ρ of the rotation R, |ρ| ≤ π; the inverse of `exponential`."""
     w = (0.5 * (R[5] - R[7]), 0.5 * (R[6] - R[2]), 0.5 * (R[1] - R[3]))
     sine = math.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])

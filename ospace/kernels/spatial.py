@@ -1,13 +1,4 @@
-"""Spatial algebra on tuples of numbers.
-
-====== =======================================================================================
-3      vector
-6      motion or force, linear part first
-9      3×3 matrix by columns, as Pinocchio stores a rotation
-sym3   symmetric 3×3 as the 6 numbers of its lower rows
-21     symmetric 6×6 (inertia, or inverse inertia) as its lower rows
-36     6×6 matrix by rows
-====== =======================================================================================
+"""Spatial algebra on tuples of numbers, whose types are declared in `ospace.kernels.jit.compile`.
 
 All quantities of a state stand in inertial axes, so that the paper's ᵢʰX between links is a shift of the origin alone:
 `motion_at`, `force_from`, `inertia_from`.
@@ -15,45 +6,45 @@ All quantities of a state stand in inertial axes, so that the paper's ᵢʰX bet
 
 from __future__ import annotations
 
-from ospace.kernels.jit.compile import Number, Row, inlined
+from ospace.kernels.jit.compile import Mat3, Mat6, Number, Row, Sym3, Sym6, Vec3, Vec6, inlined
 from ospace.kernels.jit.simd import full_like
 
 # -- three-dimensional ---------------------------------------------------------------------------------------
 
 
 @inlined
-def add3(a: Row, b: Row) -> Row:
+def add3(a: Vec3, b: Vec3) -> Vec3:
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
 
 
 @inlined
-def sub3(a: Row, b: Row) -> Row:
+def sub3(a: Vec3, b: Vec3) -> Vec3:
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
 @inlined
-def scale3(a: Row, k: Number) -> Row:
+def scale3(a: Vec3, k: Number) -> Vec3:
     return (a[0] * k, a[1] * k, a[2] * k)
 
 
 @inlined
-def dot3(a: Row, b: Row) -> Number:
+def dot3(a: Vec3, b: Vec3) -> Number:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @inlined
-def cross(a: Row, b: Row) -> Row:
+def cross(a: Vec3, b: Vec3) -> Vec3:
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 @inlined
-def rotate(R: Row, a: Row) -> Row:
+def rotate(R: Mat3, a: Vec3) -> Vec3:
     """R a."""
     return add3(add3(scale3(R[0:3], a[0]), scale3(R[3:6], a[1])), scale3(R[6:9], a[2]))
 
 
 @inlined
-def rotate_sym3(R: Row, I: Row) -> Row:
+def rotate_sym3(R: Mat3, I: Sym3) -> Sym3:
     """R I Rᵀ."""
     x = rotate(R, (I[0], I[1], I[3]))  # the columns of R I
     y = rotate(R, (I[1], I[2], I[4]))
@@ -62,7 +53,7 @@ def rotate_sym3(R: Row, I: Row) -> Row:
 
 
 @inlined
-def sym3_of_product(A: Row, B: Row) -> Row:
+def sym3_of_product(A: Mat3, B: Mat3) -> Sym3:
     """A Bᵀ, where it is symmetric."""
     return (
         A[0] * B[0] + A[3] * B[3] + A[6] * B[6],
@@ -75,12 +66,12 @@ def sym3_of_product(A: Row, B: Row) -> Row:
 
 
 @inlined
-def sym3_to_mat(a: Row) -> Row:
+def sym3_to_mat(a: Sym3) -> Mat3:
     return (a[0], a[1], a[3], a[1], a[2], a[4], a[3], a[4], a[5])
 
 
 @inlined
-def sym3_inverse(a: Row) -> Row:
+def sym3_inverse(a: Sym3) -> Sym3:
     c0 = a[2] * a[5] - a[4] * a[4]
     c1 = a[3] * a[4] - a[1] * a[5]
     c3 = a[1] * a[4] - a[2] * a[3]
@@ -96,7 +87,7 @@ def sym3_inverse(a: Row) -> Row:
 
 
 @inlined
-def sym3_sub(a: Row, b: Row) -> Row:
+def sym3_sub(a: Sym3, b: Sym3) -> Sym3:
     return add3(a[0:3], scale3(b[0:3], -1.0)) + add3(a[3:6], scale3(b[3:6], -1.0))
 
 
@@ -104,81 +95,81 @@ def sym3_sub(a: Row, b: Row) -> Row:
 
 
 @inlined
-def add6(a: Row, b: Row) -> Row:
+def add6(a: Vec6, b: Vec6) -> Vec6:
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3], a[4] + b[4], a[5] + b[5])
 
 
 @inlined
-def sub6(a: Row, b: Row) -> Row:
+def sub6(a: Vec6, b: Vec6) -> Vec6:
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3], a[4] - b[4], a[5] - b[5])
 
 
 @inlined
-def scale6(a: Row, k: Number) -> Row:
+def scale6(a: Vec6, k: Number) -> Vec6:
     return (a[0] * k, a[1] * k, a[2] * k, a[3] * k, a[4] * k, a[5] * k)
 
 
 @inlined
-def dot6(a: Row, b: Row) -> Number:
+def dot6(a: Vec6, b: Vec6) -> Number:
     return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) + (a[3] * b[3] + a[4] * b[4] + a[5] * b[5])
 
 
 @inlined
-def zero6(a: Row) -> Row:
+def zero6(a: Row) -> Vec6:
     """Six zeros, of the kind of number that `a` holds."""
     o = full_like(0.0, a[0])
     return (o, o, o, o, o, o)
 
 
 @inlined
-def zero21(number: Number) -> Row:
+def zero21(number: Number) -> Sym6:
     """Zeros for a symmetric 6×6, of the kind of `number`."""
     none = zero6((number,))
     return none + none + none + none[0:3]
 
 
 @inlined
-def linear(a: Row) -> Row:
+def linear(a: Vec6) -> Vec3:
     return a[0:3]
 
 
 @inlined
-def angular(a: Row) -> Row:
+def angular(a: Vec6) -> Vec3:
     return a[3:6]
 
 
 @inlined
-def cross_motion(v: Row, m: Row) -> Row:
+def cross_motion(v: Vec6, m: Vec6) -> Vec6:
     """Return v ×̂ m for a motion m: [ω̃ ṽ; 0 ω̃] m."""
     return add3(cross(angular(v), linear(m)), cross(linear(v), angular(m))) + cross(angular(v), angular(m))
 
 
 @inlined
-def cross_force(v: Row, f: Row) -> Row:
+def cross_force(v: Vec6, f: Vec6) -> Vec6:
     """Return v ×̂ f for a momentum or force f: [ω̃ 0; ṽ ω̃] f (the dual of the operator on motions)."""
     return cross(angular(v), linear(f)) + add3(cross(linear(v), linear(f)), cross(angular(v), angular(f)))
 
 
 @inlined
-def body_force(I: Row, v: Row, a: Row) -> Row:
+def body_force(I: Sym6, v: Vec6, a: Vec6) -> Vec6:
     """I a + v ×̂ I v: the net force on a body of inertia I (19)."""
     return add6(sym6_mul(I, a), cross_force(v, sym6_mul(I, v)))
 
 
 @inlined
-def motion_at(p: Row, v: Row) -> Row:
+def motion_at(p: Vec3, v: Vec6) -> Vec6:
     """The motion v, given at the origin, at the point p: ᵉXᵀ v = [v + ω × p; ω]."""
     return add3(linear(v), cross(angular(v), p)) + angular(v)
 
 
 @inlined
-def force_from(p: Row, f: Row) -> Row:
+def force_from(p: Vec3, f: Vec6) -> Vec6:
     """The force f, given at the point p, at the origin: X f = [f; n + p × f]."""
     return linear(f) + add3(angular(f), cross(p, linear(f)))
 
 
 @inlined
-def classical(a: Row, v: Row) -> Row:
+def classical(a: Vec6, v: Vec6) -> Vec6:
     """ẍ = a − [v × ω; 0]: the conventional acceleration of the point at which a and v are given."""
     return add3(linear(a), cross(angular(v), linear(v))) + angular(a)
 
@@ -187,7 +178,7 @@ def classical(a: Row, v: Row) -> Row:
 
 
 @inlined
-def rigid_inertia(m: Number, h: Row, I: Row) -> Row:
+def rigid_inertia(m: Number, h: Vec3, I: Sym3) -> Sym6:
     """Inertia of a mass m with first moments h = m c and rotational inertia I, about the origin: [m −h̃; h̃ I]."""
     o = full_like(0.0, h[0])
     m = m + o
@@ -197,18 +188,18 @@ def rigid_inertia(m: Number, h: Row, I: Row) -> Row:
 
 
 @inlined
-def mass_centre(I: Row) -> Row:
+def mass_centre(I: Sym6) -> Vec3:
     """Centre of mass of the inertia I about the origin: its first moments over its mass."""
     return scale3((I[16], I[8], I[10]), 1.0 / I[0])
 
 
 @inlined
-def diagonal(A: Row) -> Row:
+def diagonal(A: Sym6) -> Vec6:
     return (A[0], A[2], A[5], A[9], A[14], A[20])
 
 
 @inlined
-def inertia_from(p: Row, I: Row) -> Row:
+def inertia_from(p: Vec3, I: Sym6) -> Sym6:
     """The inertia I = [M Hᵀ; H J], given at the point p, at the origin: X I Xᵀ = [M ·; H + p̃ M  J + p̃ Hᵀ + (…)ᵀ]."""
     x, y, z = p
     H = (
@@ -235,7 +226,7 @@ def inertia_from(p: Row, I: Row) -> Row:
 
 
 @inlined
-def sym6_mul(A: Row, s: Row) -> Row:
+def sym6_mul(A: Sym6, s: Vec6) -> Vec6:
     """A s."""
     return (
         (A[0] * s[0] + A[1] * s[1] + A[3] * s[2]) + (A[6] * s[3] + A[10] * s[4] + A[15] * s[5]),
@@ -248,7 +239,7 @@ def sym6_mul(A: Row, s: Row) -> Row:
 
 
 @inlined
-def sym6_mul_angular(A: Row, s: Row) -> Row:
+def sym6_mul_angular(A: Sym6, s: Vec3) -> Vec6:
     """A [0; s]."""
     return (
         (A[6] * s[0] + A[10] * s[1] + A[15] * s[2], A[7] * s[0] + A[11] * s[1] + A[16] * s[2])
@@ -258,7 +249,7 @@ def sym6_mul_angular(A: Row, s: Row) -> Row:
 
 
 @inlined
-def sym6_add(A: Row, B: Row) -> Row:
+def sym6_add(A: Sym6, B: Sym6) -> Sym6:
     return (
         add6(A[0:6], B[0:6]) + add6(A[6:12], B[6:12]) + add6(A[12:18], B[12:18])
         + (A[18] + B[18], A[19] + B[19], A[20] + B[20])
@@ -266,7 +257,7 @@ def sym6_add(A: Row, B: Row) -> Row:
 
 
 @inlined
-def sym6_sub(A: Row, B: Row) -> Row:
+def sym6_sub(A: Sym6, B: Sym6) -> Sym6:
     return (
         sub6(A[0:6], B[0:6]) + sub6(A[6:12], B[6:12]) + sub6(A[12:18], B[12:18])
         + (A[18] - B[18], A[19] - B[19], A[20] - B[20])
@@ -274,7 +265,7 @@ def sym6_sub(A: Row, B: Row) -> Row:
 
 
 @inlined
-def sym6_outer(u: Row, w: Row) -> Row:
+def sym6_outer(u: Vec6, w: Vec6) -> Sym6:
     """Return u wᵀ, where w is a multiple of u."""
     return (
         (u[0] * w[0],)
@@ -287,7 +278,7 @@ def sym6_outer(u: Row, w: Row) -> Row:
 
 
 @inlined
-def sym6_to_mat(A: Row) -> Row:
+def sym6_to_mat(A: Sym6) -> Mat6:
     return (
         (A[0], A[1], A[3], A[6], A[10], A[15])
         + (A[1], A[2], A[4], A[7], A[11], A[16])
@@ -299,7 +290,7 @@ def sym6_to_mat(A: Row) -> Row:
 
 
 @inlined
-def sym6_inverse(A: Row) -> Row:
+def sym6_inverse(A: Sym6) -> Sym6:
     """A⁻¹ by blocks [M Hᵀ; H J]; of an inertia, the Schur complement of M is rotational, about the mass centre."""
     H = (A[6], A[10], A[15], A[7], A[11], A[16], A[8], A[12], A[17])
     M = sym3_inverse((A[0], A[1], A[2], A[3], A[4], A[5]))
@@ -316,17 +307,17 @@ def sym6_inverse(A: Row) -> Row:
 
 
 @inlined
-def mat3_mul(A: Row, B: Row) -> Row:
+def mat3_mul(A: Mat3, B: Mat3) -> Mat3:
     return rotate(A, B[0:3]) + rotate(A, B[3:6]) + rotate(A, B[6:9])
 
 
 @inlined
-def mat3_transpose(A: Row) -> Row:
+def mat3_transpose(A: Mat3) -> Mat3:
     return (A[0], A[3], A[6], A[1], A[4], A[7], A[2], A[5], A[8])
 
 
 @inlined
-def unit36(like_these: Row) -> Row:
+def unit36(like_these: Row) -> Mat6:
     """The unit matrix, of the kind of number that `like_these` holds."""
     o, i = full_like(0.0, like_these[0]), full_like(1.0, like_these[0])
     return (
@@ -339,7 +330,7 @@ def unit36(like_these: Row) -> Row:
 
 
 @inlined
-def mat6_mul(K: Row, s: Row) -> Row:
+def mat6_mul(K: Mat6, s: Vec6) -> Vec6:
     """K s."""
     return (
         (dot6(K[0:6], s), dot6(K[6:12], s), dot6(K[12:18], s))
@@ -348,7 +339,7 @@ def mat6_mul(K: Row, s: Row) -> Row:
 
 
 @inlined
-def mul_mat6(s: Row, K: Row) -> Row:
+def mul_mat6(s: Vec6, K: Mat6) -> Vec6:
     """sᵀ K."""
     return add6(
         add6(add6(scale6(K[0:6], s[0]), scale6(K[6:12], s[1])), add6(scale6(K[12:18], s[2]), scale6(K[18:24], s[3]))),
@@ -357,7 +348,7 @@ def mul_mat6(s: Row, K: Row) -> Row:
 
 
 @inlined
-def mat6_add_outer(K: Row, u: Row, w: Row) -> Row:
+def mat6_add_outer(K: Mat6, u: Vec6, w: Vec6) -> Mat6:
     """K + u wᵀ."""
     return (
         add6(K[0:6], scale6(w, u[0])) + add6(K[6:12], scale6(w, u[1])) + add6(K[12:18], scale6(w, u[2]))
@@ -366,7 +357,7 @@ def mat6_add_outer(K: Row, u: Row, w: Row) -> Row:
 
 
 @inlined
-def mat6_add(A: Row, B: Row) -> Row:
+def mat6_add(A: Mat6, B: Mat6) -> Mat6:
     return (
         add6(A[0:6], B[0:6]) + add6(A[6:12], B[6:12]) + add6(A[12:18], B[12:18])
         + add6(A[18:24], B[18:24]) + add6(A[24:30], B[24:30]) + add6(A[30:36], B[30:36])
@@ -374,7 +365,7 @@ def mat6_add(A: Row, B: Row) -> Row:
 
 
 @inlined
-def mat6_product(A: Row, B: Row) -> Row:
+def mat6_product(A: Mat6, B: Mat6) -> Mat6:
     """A B."""
     return (
         mul_mat6(A[0:6], B) + mul_mat6(A[6:12], B) + mul_mat6(A[12:18], B)
@@ -383,7 +374,7 @@ def mat6_product(A: Row, B: Row) -> Row:
 
 
 @inlined
-def mat6_transpose(K: Row) -> Row:
+def mat6_transpose(K: Mat6) -> Mat6:
     return (
         (K[0], K[6], K[12], K[18], K[24], K[30])
         + (K[1], K[7], K[13], K[19], K[25], K[31])
@@ -395,7 +386,7 @@ def mat6_transpose(K: Row) -> Row:
 
 
 @inlined
-def motions_at(p: Row, K: Row) -> Row:
+def motions_at(p: Vec3, K: Mat6) -> Mat6:
     """ᵉXᵀ K: the six motions in the columns of K, given at the base, at the point p."""
     return (
         add6(K[0:6], sub6(scale6(K[24:30], p[2]), scale6(K[30:36], p[1])))
@@ -406,7 +397,7 @@ def motions_at(p: Row, K: Row) -> Row:
 
 
 @inlined
-def forces_from(p: Row, K: Row) -> Row:
+def forces_from(p: Vec3, K: Mat6) -> Mat6:
     """X K: the six forces in the columns of K, given at the point p, at the base: [f; n + p × f]."""
     return (
         K[0:18]

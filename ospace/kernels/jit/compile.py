@@ -1,7 +1,8 @@
 """How a kernel is compiled.
 
 A *number* is a ``float64``, or several of them in the lanes of a vector register (`ospace.kernels.jit.simd`); kernels
-never say which. A *row* of numbers comes out of a table as a tuple and goes back as one: ``S = load6(w.S, i)``.
+never say which. A *row* of numbers comes out of a table as a tuple and goes back as one: ``S = load6(w.S, i)``. The
+types of values below are tuples by their length, which mypy checks through slices and sums of them.
 
 Two decorators make every kernel of the package:
 
@@ -28,8 +29,24 @@ from numba.extending import overload
 from ospace.kernels.jit import cache
 
 Number = Any
-Row = tuple[Any, ...]
+"""A ``float64``, or several of them in the lanes of a vector register."""
+Row = tuple[Number, ...]
+"""A row of numbers of any length."""
+Vec3 = tuple[Number, Number, Number]
+Vec6 = tuple[*Vec3, *Vec3]
+"""Motion or force, linear part first."""
+Quaternion = tuple[Number, Number, Number, Number]
+"""x, y, z, w."""
+Mat3 = tuple[*Vec3, *Vec3, *Vec3]
+"""A 3×3 matrix by columns, as Pinocchio stores a rotation."""
+Sym3 = tuple[Number, Number, Number, Number, Number, Number]
+"""A symmetric 3×3 matrix as its lower rows."""
+Mat6 = tuple[*Vec6, *Vec6, *Vec6, *Vec6, *Vec6, *Vec6]
+"""A 6×6 matrix by rows."""
+Sym6 = tuple[*Vec6, *Vec6, *Vec6, *Vec3]
+"""A symmetric 6×6 matrix, such as an inertia or its inverse, as its lower rows."""
 Table = Any
+"""Rows of numbers in memory."""
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 # Sums may be reordered and contracted; NaN and infinity keep their meaning, so that bad numbers stay visible.

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal, overload
 
 import numpy as np
 from llvmlite import ir
@@ -18,7 +18,7 @@ from numba.core import cgutils, config
 from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_getattr, infer_global, signature
 from numba.extending import lower_builtin, lower_getattr, models, register_model
 
-from ospace.kernels.jit.compile import Row, Table
+from ospace.kernels.jit.compile import Mat3, Mat6, Row, Sym6, Table, Vec3, Vec6
 from ospace.kernels.jit.simd import FLAGS
 
 
@@ -260,6 +260,18 @@ def _stores(count: int, function: Callable[..., Any], add: bool) -> None:
         lower_builtin(function, kind, types.intp, types.intp, types.Any)(lower)
 
 
+@overload
+def _row(rows: Table, i: int, k: int, count: Literal[3]) -> Vec3: ...
+@overload
+def _row(rows: Table, i: int, k: int, count: Literal[6]) -> Vec6: ...
+@overload
+def _row(rows: Table, i: int, k: int, count: Literal[9]) -> Mat3: ...
+@overload
+def _row(rows: Table, i: int, k: int, count: Literal[21]) -> Sym6: ...
+@overload
+def _row(rows: Table, i: int, k: int, count: Literal[36]) -> Mat6: ...
+@overload
+def _row(rows: Table, i: int, k: int, count: int) -> Row: ...
 def _row(rows: Table, i: int, k: int, count: int) -> Row:
     return tuple(rows[i, column] for column in range(k, k + count))
 
@@ -274,12 +286,12 @@ def _add(rows: Table, i: int, x: Row) -> None:
         rows[i, k] = rows[i, k] + value
 
 
-def load3(rows: Table, i: int) -> Row:
+def load3(rows: Table, i: int) -> Vec3:
     """Row `i` as a tuple of 3."""
     return _row(rows, i, 0, 3)
 
 
-def load6(rows: Table, i: int) -> Row:
+def load6(rows: Table, i: int) -> Vec6:
     """Row `i` as a tuple of 6."""
     return _row(rows, i, 0, 6)
 
@@ -289,72 +301,72 @@ def load7(rows: Table, i: int) -> Row:
     return _row(rows, i, 0, 7)
 
 
-def load9(rows: Table, i: int) -> Row:
+def load9(rows: Table, i: int) -> Mat3:
     """The first 9 numbers of row `i` as a tuple."""
     return _row(rows, i, 0, 9)
 
 
-def load21(rows: Table, i: int) -> Row:
+def load21(rows: Table, i: int) -> Sym6:
     """Row `i` as a tuple of 21."""
     return _row(rows, i, 0, 21)
 
 
-def load36(rows: Table, i: int) -> Row:
+def load36(rows: Table, i: int) -> Mat6:
     """Row `i` as a tuple of 36."""
     return _row(rows, i, 0, 36)
 
 
-def load_translation(placements: Table, i: int) -> Row:
+def load_translation(placements: Table, i: int) -> Vec3:
     """The translation of placement `i`: what follows the nine numbers of its rotation."""
     return _row(placements, i, 9, 3)
 
 
-def load3_at(rows: Table, i: int, k: int) -> Row:
+def load3_at(rows: Table, i: int, k: int) -> Vec3:
     """3 numbers of row `i`, from column `k` on."""
     return _row(rows, i, k, 3)
 
 
-def load6_at(rows: Table, i: int, k: int) -> Row:
+def load6_at(rows: Table, i: int, k: int) -> Vec6:
     """6 numbers of row `i`, from column `k` on."""
     return _row(rows, i, k, 6)
 
 
-def store3(rows: Table, i: int, x: Row) -> None:
+def store3(rows: Table, i: int, x: Vec3) -> None:
     """Write the tuple of 3 to row `i`."""
     _put(rows, i, 0, x)
 
 
-def store6(rows: Table, i: int, x: Row) -> None:
+def store6(rows: Table, i: int, x: Vec6) -> None:
     """Write the tuple of 6 to row `i`."""
     _put(rows, i, 0, x)
 
 
-def store9(rows: Table, i: int, x: Row) -> None:
+def store9(rows: Table, i: int, x: Mat3) -> None:
     """Write the tuple of 9 to row `i`."""
     _put(rows, i, 0, x)
 
 
-def store21(rows: Table, i: int, x: Row) -> None:
+def store21(rows: Table, i: int, x: Sym6) -> None:
     """Write the tuple of 21 to row `i`."""
     _put(rows, i, 0, x)
 
 
-def store36(rows: Table, i: int, x: Row) -> None:
+def store36(rows: Table, i: int, x: Mat6) -> None:
     """Write the tuple of 36 to row `i`."""
     _put(rows, i, 0, x)
 
 
-def store6_at(rows: Table, i: int, k: int, x: Row) -> None:
+def store6_at(rows: Table, i: int, k: int, x: Vec6) -> None:
     """Write the tuple of 6 to row `i`, from column `k` on."""
     _put(rows, i, k, x)
 
 
-def add_to6(rows: Table, i: int, x: Row) -> None:
+def add_to6(rows: Table, i: int, x: Vec6) -> None:
     """Add the tuple of 6 to row `i`."""
     _add(rows, i, x)
 
 
-def add_to21(rows: Table, i: int, x: Row) -> None:
+def add_to21(rows: Table, i: int, x: Sym6) -> None:
     """Add the tuple of 21 to row `i`."""
     _add(rows, i, x)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ospace.kernels.jit.compile import Row, inlined
+from ospace.kernels.jit.compile import Vec3, inlined
 from ospace.kernels.jit.load_store import load6, store6
 from ospace.kernels.spatial import add3, cross, dot3, rotate, scale3, sub3
 from ospace.kernels.tasks.reference import follow
@@ -60,7 +60,7 @@ def look_at_rows(w: Work, robot: Robot, base: BaseActuation, tasks: Tasks, rows:
 
 
 @inlined
-def orthonormal_complement(d: Row) -> tuple[Row, Row]:
+def orthonormal_complement(d: Vec3) -> tuple[Vec3, Vec3]:
     """Two unit vectors across the unit vector d and each other."""
     aside = (1.0, 0.0, 0.0) if abs(d[0]) < 0.6 else (0.0, 1.0, 0.0)
     x = cross(d, aside)

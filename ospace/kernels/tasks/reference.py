@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ospace.kernels.jit.compile import Row, inlined
+from ospace.kernels.jit.compile import Mat3, Vec3, Vec6, inlined
 from ospace.kernels.jit.load_store import load3_at, load6_at
 from ospace.kernels.minimum_jerk import minimum_jerk
 from ospace.kernels.so3 import exponential
@@ -21,7 +21,7 @@ from ospace.kernels.tasks.tables import (
 
 
 @inlined
-def follow(tasks: Tasks, t: int, time: float) -> tuple[Row, Row, Row, Row]:
+def follow(tasks: Tasks, t: int, time: float) -> tuple[Vec3, Mat3, Vec6, Vec6]:
     """Place, rotation, velocity and acceleration of the reference of task `t`."""
     row = tasks.reference
     s, rate, curve = 0.0, 0.0, 0.0

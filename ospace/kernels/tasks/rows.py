@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ospace.kernels.jit.compile import Number, Row, inlined
+from ospace.kernels.jit.compile import Mat3, Number, Vec3, Vec6, inlined
 from ospace.kernels.jit.load_store import load3, load3_at, load6, load6_at, load9, load21, store6
 from ospace.kernels.spatial import add6, force_from, mat3_mul, motion_at, rotate, scale3, sub6, sym6_mul
 from ospace.kernels.tasks.tables import BaseActuation, TaskRows, Tasks
@@ -15,7 +15,7 @@ LARGEST = 1e3
 
 
 @inlined
-def wrench_of(w: Work, base: BaseActuation, k: int) -> Row:
+def wrench_of(w: Work, base: BaseActuation, k: int) -> Vec6:
     """The wrench on the base, at the base, that a unit of û_k is."""
     c, none = base.component[k], (0.0, 0.0, 0.0)
     axis = scale3(load3_at(w.R, 0, 3 * (c % 3)), base.scale[k])
@@ -30,32 +30,32 @@ def base_response(w: Work, base: BaseActuation) -> None:
 
 
 @inlined
-def base_velocity(w: Work) -> Row:
+def base_velocity(w: Work) -> Vec3:
     """v_b, inertial axes: what velocities of the work lack."""
     return rotate(load9(w.R, 0), (w.velocity[0, 0], w.velocity[1, 0], w.velocity[2, 0]))
 
 
 @inlined
-def rotation_of(w: Work, robot: Robot, tasks: Tasks, e: int) -> Row:
+def rotation_of(w: Work, robot: Robot, tasks: Tasks, e: int) -> Mat3:
     """Rotation of point `e`."""
     return mat3_mul(load9(w.R, robot.nodes.link[tasks.node[e]]), load9(tasks.turn, e))
 
 
 @inlined
-def position_of(w: Work, tasks: Tasks, e: int) -> Row:
+def position_of(w: Work, tasks: Tasks, e: int) -> Vec3:
     """Place of point `e` about the base."""
     return load3(w.place, tasks.node[e])
 
 
 @inlined
-def velocity_of(w: Work, robot: Robot, tasks: Tasks, e: int) -> Row:
+def velocity_of(w: Work, robot: Robot, tasks: Tasks, e: int) -> Vec6:
     """ẋ_e, seen from the frame that moves along with the base."""
     node = tasks.node[e]
     return motion_at(load3(w.arm, node), load6(w.v, robot.nodes.link[node]))
 
 
 @inlined
-def column_of(w: Work, base: BaseActuation, tasks: Tasks, e: int, k: int) -> Row:
+def column_of(w: Work, base: BaseActuation, tasks: Tasks, e: int, k: int) -> Vec6:
     """Column `k` of what moves point `e`: of J_m*, then of the base's actuation."""
     n = w.J_m_star.shape[0]
     if k < n:
@@ -64,7 +64,7 @@ def column_of(w: Work, base: BaseActuation, tasks: Tasks, e: int, k: int) -> Row
 
 
 @inlined
-def write_task_rows(tasks: Tasks, rows: TaskRows, t: int, error: Row, rate: Row, drift: Row) -> None:
+def write_task_rows(tasks: Tasks, rows: TaskRows, t: int, error: Vec6, rate: Vec6, drift: Vec6) -> None:
     """Write the rows taken of the task's block: b = d rate + k error − drift, where `rate` is ẋ_ref − ẋ."""
     k_l, d_l, k_a, d_a = tasks.gain[t, 0], tasks.gain[t, 1], tasks.gain[t, 2], tasks.gain[t, 3]
     demanded = add6(scale3(error[0:3], k_l) + scale3(error[3:6], k_a), scale3(rate[0:3], d_l) + scale3(rate[3:6], d_a))
@@ -93,7 +93,7 @@ def saturation_factor(square: float) -> float:
 
 
 @inlined
-def component(x: Row, c: int) -> Number:
+def component(x: Vec6, c: int) -> Number:
     """Component `c` of six."""
     low = x[0] if c == 0 else x[1] if c == 1 else x[2]
     high = x[3] if c == 3 else x[4] if c == 4 else x[5]
