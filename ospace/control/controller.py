@@ -401,7 +401,7 @@ class Controller:
         """Look up what a copy cannot take over: the solver, and where the evaluator keeps the state."""
         self._solve = solver_named(self._solver)
         self._R, self._place = self._run.table("R"), self._run.table("place")
-        self._q, self._v = self._run.table("q")[:, 0], self._run.table("velocity")[:, 0]
+        self._q, self._v = self._run.table("q")[: self.robot.nq, 0], self._run.table("velocity")[:, 0]
 
     def __getstate__(self) -> dict[str, Any]:
         """Leave out what `_connect` looks up; all else goes along, so that a copy goes on as this one would."""

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from ospace.checks import check_kind, checked_names, real_numbers
 from ospace.dynamics.evaluator import BITS, OperationalSpaceEvaluator
-from ospace.dynamics.workspace import layout_of
+from ospace.dynamics.workspace import layout_of, wanted_of
 from ospace.exceptions import OspaceError
 from ospace.kernels import batch as kernel
 from ospace.kernels import evaluation, workspace
@@ -265,6 +265,7 @@ class _Work:
         self.layout = layout_of(robot, points)
         for name in results:
             self.layout.want[0] |= _BITS[name]
+        self.layout.want[0] = wanted_of(robot, int(self.layout.want[0]))
 
 
 class _Worker:

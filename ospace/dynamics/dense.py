@@ -8,6 +8,9 @@ where the last term, which turns Pinocchio's spatial base acceleration into the 
 for a base without linear velocity. That is how Pinocchio is asked here (`State.beside_base`): about the world
 origin and at orbital velocity its own arithmetic would lose the digits that it is to check. Where the motion of the
 base itself is what is checked (momentum, accelerations under load), it is asked at the full velocity.
+
+Where joints mimic others, Pinocchio is asked about the robot with these joints free, and G of `ospace.model.mimic`
+couples them: H = Gᵀ H_free G. (Its own crba is wrong for joints that hang from a follower.)
 """
 
 from __future__ import annotations
@@ -35,8 +38,12 @@ class Dense:
     def __init__(self, state: State, points: Sequence[OperationalPoint]) -> None:
         self.state = state
         self.points = points_of(state.robot, points) if points else ()  # H needs none
-        self._model = state.robot.model
-        self._q, self._v = state.beside_base()
+        q, v = state.beside_base()
+        free = state.robot.free
+        self._model, self._G = (state.robot.model, np.eye(state.robot.nv)) if free is None else (free.model, free.G)
+        self._q, self._v = (q, v) if free is None else (free.configuration(q), free.G @ v)
+        self._own_v = state.v if free is None else free.G @ state.v
+        self._still = np.zeros(self._model.nv)
         self.T = np.eye(state.robot.nv)
         self.T[:3, :3] = self.T[3:6, 3:6] = state.T_WB.rotation
 
@@ -53,17 +60,19 @@ class Dense:
 
     @cached_property
     def H_inv(self) -> Floats:
-        """H⁻¹ (nv, nv), `pin.computeMinverse`."""
+        """H⁻¹ (nv, nv), `pin.computeMinverse`; by elimination where joints mimic others."""
+        if self.state.robot.free:
+            return solve(self.H, np.eye(len(self.H)))
         return self._to_paper(pin.computeMinverse(self._model, self._data, self._q))
 
     def _to_paper(self, upper: Floats) -> Floats:
         full = np.triu(upper) + np.triu(upper, 1).T
-        return np.asarray(self.T @ full @ self.T.T)
+        return np.asarray(self.T @ (self._G.T @ full @ self._G) @ self.T.T)
 
     @cached_property
     def c(self) -> Floats:
         """[c_b; c_m] (nv,), `pin.rnea`."""
-        return np.asarray(self.T @ pin.rnea(self._model, self._data, self._q, self._v, np.zeros(len(self._v))))
+        return np.asarray(self.T @ self._G.T @ pin.rnea(self._model, self._data, self._q, self._v, self._still))
 
     @cached_property
     def velocity(self) -> Floats:
@@ -73,13 +82,13 @@ class Dense:
     @cached_property
     def M_0(self) -> Floats:
         """Momentum about the base (6,): `pin.computeCentroidalMomentum`, shifted."""
-        h = pin.computeCentroidalMomentum(self._model, self._data, self._q, self.state.v).vector
+        h = pin.computeCentroidalMomentum(self._model, self._data, self._q, self._own_v).vector
         return np.concatenate([h[:3], h[3:] + np.cross(self._data.com[0], h[:3])])
 
     @cached_property
     def link_velocities(self) -> Floats:
         """Velocities of all joint frames (njoints − 1, 6), inertial axes, each at its own origin."""
-        pin.forwardKinematics(self._model, self._data, self._q, self.state.v)
+        pin.forwardKinematics(self._model, self._data, self._q, self._own_v)
         joints = range(1, self._model.njoints)
         return np.array([pin.getVelocity(self._model, self._data, j, pin.LOCAL_WORLD_ALIGNED).vector for j in joints])
 
@@ -108,7 +117,7 @@ class Dense:
             pin.getFrameJacobian(self._model, self._data, one.joint, one.placement, pin.LOCAL_WORLD_ALIGNED)
             for one in self.points
         ]
-        return self._taken(J) @ self.T.T
+        return self._taken(J) @ self._G @ self.T.T
 
     def _taken(self, of_points: Sequence[Floats]) -> Floats:
         rows = [full[np.array(one.axes)] for full, one in zip(of_points, self.points, strict=True)]
@@ -126,11 +135,17 @@ class Dense:
     @cached_property
     def drift(self) -> Floats:
         """J̇_e ẋ (r,): classical accelerations of the points while base and joints do not accelerate."""
-        pin.forwardKinematics(self._model, self._data, self._q, self._v, np.zeros(len(self._v)))
+        pin.forwardKinematics(self._model, self._data, self._q, self._v, self._still)
         return self._accelerations()
 
     def accelerations_under(self, load: Floats, F_e: Floats) -> tuple[Floats, Floats]:
-        """Return ẍ_e (r,) and [ẍ_b; φ̈] (nv,) under `load` = [F_b; τ] and forces `F_e` (r,), by `pin.aba`."""
+        """Return ẍ_e (r,) and [ẍ_b; φ̈] (nv,) under `load` = [F_b; τ] and forces `F_e` (r,), by `pin.aba`.
+
+        Where joints mimic others, which `pin.aba` does not know, by H, c and J_e.
+        """
+        if self.state.robot.free:
+            acceleration = solve(self.H, (load - self.c + self.J_e.T @ F_e)[:, None])[:, 0]
+            return self.J_e @ acceleration + self.drift, acceleration
         model, data = self._model, self._data
         pin.forwardKinematics(model, data, self._q)
         external = [pin.Force.Zero() for _ in range(model.njoints)]

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ospace.checks import check_kind, checked_names, checked_vector, not_finite
-from ospace.dynamics.workspace import Workspace
+from ospace.dynamics.workspace import Workspace, wanted_of
 from ospace.exceptions import OspaceError
 from ospace.kernels import evaluation
 from ospace.kernels.jit.compile import refuse_other_types
@@ -121,6 +121,8 @@ class OperationalSpaceEvaluator:
         self._want = _A_STATE
         for name in self.quantities:
             self._want |= BITS[name]
+        self._want = wanted_of(robot, self._want)
+        self._couples = robot.free is not None and bool(self._want & evaluation.MOBILITY)
         self._run = Workspace(robot, points_of(robot, points))
         self._memory, self._wanted = self._run.memory, self._run.wanted
         self._wanted[0] = self._want
@@ -181,6 +183,9 @@ class OperationalSpaceEvaluator:
             return self
         if self._composes and evaluation.compose(self._still, self._still, self._memory):
             self._refuse(not_finite("the dynamics of the composite bodies"))
+        if self._couples and (status := evaluation.couple(self._memory)):
+            self._refine(status, q, v)
+            return self
         self._known, self._stands = self._want, 0
         return self
 
@@ -231,13 +236,15 @@ class OperationalSpaceEvaluator:
             if status == evaluation.FAR:
                 state = self.robot.state(q, v)
                 self._run.load(state)
-                self._run.table("q")[:, 0] = state.q
+                self._run.q[:] = state.q
                 self._stands = evaluation.LINKS_STAND
                 self._run.evaluate(self._want)
             else:
                 self._run.settle(status, self._want)
                 if self._composes and evaluation.compose(self._still, self._still, self._memory):
                     raise not_finite("the dynamics of the composite bodies")
+                if self._couples:
+                    self._run.settle(evaluation.couple(self._memory), self._want)
         except OspaceError as error:
             self._refuse(error)
         finally:
@@ -263,7 +270,7 @@ class OperationalSpaceEvaluator:
         try:
             if not self._stands:  # the links' motion may not
                 self._wanted[0] = evaluation.FLOATING_BASE | evaluation.JOINT_BIAS | evaluation.NORMALIZED
-                self._place(self._run.table("q")[:, 0], self._run.table("velocity")[:, 0], self._memory)
+                self._place(self._run.q, self._run.v, self._memory)
             self._run.evaluate(bits)
         finally:
             self._wanted[0] = self._want

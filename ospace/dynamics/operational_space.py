@@ -101,8 +101,8 @@ def operational_space(
     SingularInertiaError
         A joint moves nothing in this state; names the joint.
     OspaceError
-        No point, or another robot's; an unknown method; more than one point for the inverted chain; or a result
-        that is not finite.
+        No point, or another robot's; an unknown method; more than one point for the inverted chain; joints that mimic
+        others for either chain; or a result that is not finite.
 
     Notes
     -----
@@ -133,6 +133,11 @@ def _by(
 ) -> OperationalSpace:
     """Compute the same by an independent method; `run` has evaluated the state."""
     J_e, known, response = run.copy("jacobian"), None, None
+    if method != "dense" and state.robot.free:
+        raise OspaceError(
+            f"method '{method}' eliminates one joint after the other, and joints of robot '{state.robot.name}' mimic "
+            f"others: use 'pv_osimr' or 'dense', or read it with free_mimic=True"
+        )
     if method == "inverted":
         if len(points) != 1:
             raise OspaceError(f"the inverted chain takes one point, got {len(points)}: use method='forward'")

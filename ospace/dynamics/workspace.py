@@ -39,6 +39,7 @@ class Workspace:
     layout : both as the kernels take them
     memory : the one array of `ospace.kernels.workspace`
     wanted : (1,) what the kernels compute, bits
+    q, v : views of the state that the kernels placed last
     rank : rank of Γ_e⁻¹ in the state of the last run, or of Λ⁻¹ after `respond`
     dependent : rows that depend on each other there
     """
@@ -50,7 +51,7 @@ class Workspace:
         self.memory = workspace.lay_out(self.layout, robot.nq)
         self._tables: dict[str, Floats] = {}
         self._links, self.wanted = workspace.links(self.memory), workspace.wanted(self.memory)
-        self._q, self._v = self.table("q")[:, 0], self.table("velocity")[:, 0]
+        self.q, self.v = self.table("q")[: robot.nq, 0], self.table("velocity")[:, 0]
         self.rank, self.dependent = len(self.rows), np.zeros(0, dtype=np.int64)
 
     def table(self, name: str) -> Floats:
@@ -77,11 +78,13 @@ class Workspace:
         OspaceError
             A result is not finite.
         """
-        self.wanted[0] = want = want | kernel.LINKS_STAND
+        self.wanted[0] = want = wanted_of(self.robot, want | kernel.LINKS_STAND)
         if want & ~(kernel.COMPOSITE | kernel.LINKS_STAND):
-            self.settle(kernel.evaluate(self._q, self._v, self.memory), want)
-        if want & kernel.COMPOSITE and kernel.compose(self._q, self._v, self.memory):
+            self.settle(kernel.evaluate(self.q, self.v, self.memory), want)
+        if want & kernel.COMPOSITE and kernel.compose(self.q, self.v, self.memory):
             raise not_finite("the dynamics of the composite bodies")
+        if want & kernel.MOBILITY and self.robot.free:
+            self.settle(kernel.couple(self.memory), want)
 
     def settle(self, status: int, want: int) -> None:
         """Do what `evaluate` of the kernels left undone, or raise what its `status` means."""
@@ -95,7 +98,7 @@ class Workspace:
         if status == kernel.DEPENDENT:
             stand = want & (kernel.MOTION | kernel.LINKS_STAND)
             self.wanted[0] = kernel.JACOBIAN | kernel.FLOATING_BASE | kernel.NORMALIZED | stand
-            kernel.evaluate(self._q, self._v, self.memory)
+            kernel.evaluate(self.q, self.v, self.memory)
             self.table("inertia")[:] = self.inverse_on_range(self.table("inertia_inverse"), self.table("jacobian"))
             if want & kernel.BIAS:
                 self.table("bias_force")[:] = self.table("inertia") @ self.table("bias_acceleration")
@@ -126,7 +129,7 @@ class Workspace:
     def inverse_on_range(self, Gamma_inv: Floats, J_e: Floats) -> Floats:
         """Return the inverse of Γ_e⁻¹ on its numerical range; note its rank and the rows that depend on each other."""
         self.wanted[0] |= kernel.FLOATING_BASE
-        kernel.compose(self._q, self._v, self.memory)
+        kernel.compose(self.q, self.v, self.memory)
         H = self.table("inertia_diagonal")[:, 0]
         Gamma, self.rank, self.dependent = inverse_on_range(Gamma_inv, J_e, np.diag(Gamma_inv), H)
         return Gamma
@@ -136,6 +139,13 @@ class Workspace:
         if self.rank < len(self.rows):
             names: Iterable[str] = (points[self.rows[row] // 6].frame for row in self.dependent)
             raise DependentRowsError(self.rank, len(self.rows), dict.fromkeys(names))
+
+
+def wanted_of(robot: Layout, want: int) -> int:
+    """Return the bits `want` with those that they take where joints of the robot mimic others."""
+    if robot.free is None or not want & kernel.MOBILITY:
+        return want
+    return want | kernel.COUPLED_MOBILITY | (kernel.GENERALIZED_BIAS if want & kernel.BIAS else 0)
 
 
 def layout_of(robot: Layout, points: Sequence[OperationalPoint]) -> workspace.Robot:
@@ -178,6 +188,7 @@ def compile_kernels() -> None:
             (kernel.evaluate, (vector, vector, vector)),
             (kernel.compose, (vector, vector, vector)),
             (kernel.respond, (vector,)),
+            (kernel.couple, (vector,)),
             (kernel.normalize, (vector, vector, vector)),
             (place_from_pinocchio, (table, table, table, vector)),
             (kernel.inverse_dynamics, (vector, vector)),

@@ -4,10 +4,18 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ospace.kernels.evaluation import composite_bodies, operational_space, place_both, status
+from ospace.kernels.evaluation import (
+    MOBILITY,
+    composite_bodies,
+    coupled_operational_space,
+    operational_space,
+    place_both,
+    status,
+)
 from ospace.kernels.jit.compile import Number, entry_for_threads, inlined
 from ospace.kernels.jit.simd import zeros
-from ospace.kernels.tree import Floats, Ints
+from ospace.kernels.kinematics import follower_coordinate
+from ospace.kernels.tree import CONTINUOUS, Floats, Ints, Joints
 from ospace.kernels.workspace import UNIT, Wide, open_index, open_robot, open_table, open_work, place_of
 
 _Q, _VELOCITY, _DIAGNOSTICS = place_of("q"), place_of("velocity"), place_of("diagnostics")
@@ -41,6 +49,18 @@ def gather(states: Floats, first: int, memory: Floats, start: int, lanes: int) -
 
 
 @inlined
+def gather_followers(joints: Joints, memory: Floats, start: int, lanes: int) -> None:
+    """Write the coordinates of the followers behind those of q in each lane."""
+    for f in range(joints.followers.size):
+        k = start + joints.first[joints.leaders[f]] * lanes
+        pair = joints.kind[joints.leaders[f]] == CONTINUOUS
+        for lane in range(lanes):
+            y = memory[k + lanes + lane] if pair else 0.0
+            to = start + joints.first[joints.followers[f]] * lanes + lane
+            memory[to] = follower_coordinate(joints, f, memory[k + lane], y)
+
+
+@inlined
 def scatter(memory: Floats, at: Ints, k: int, lanes: int, out: Floats, first: int) -> None:
     """Write table `k` of each lane to the rows of `out`, (N, …), from row `first` on."""
     start, count = at[3 * k], at[3 * k + 1] * at[3 * k + 2]
@@ -71,9 +91,12 @@ def evaluate_lanes(Q: Floats, V: Floats, memory: Floats, number: Number, lanes: 
     for first in range(0, Q.shape[0], lanes):
         gather(Q, first, memory, at[3 * _Q], lanes)
         gather(V, first, memory, at[3 * _VELOCITY], lanes)
+        gather_followers(robot.joints, memory, at[3 * _Q], lanes)
         place_both(robot, w, wide)
         operational_space(robot, w, wide)
         composite_bodies(robot, w)
+        if robot.joints.followers.size > 0 and robot.want[0] & MOBILITY:
+            coupled_operational_space(robot, w, wide)
         scatter(memory, at, _INERTIA_INVERSE, lanes, out.inertia_inverse, first)
         scatter_packed(memory, at, _INERTIA_INVERSE, lanes, out.inertia_inverse_packed, first)
         scatter(memory, at, _INERTIA, lanes, out.inertia, first)

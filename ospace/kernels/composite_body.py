@@ -4,7 +4,7 @@ Inertias, forces and motions stand at the links' own origins, d_i away from the 
 
     I_h^C = I_h + Σ X I_i^C Xᵀ                               (21)
     F_i = I_i^C S_i,   H_b = I_0^C,   H_bm = [… X F_i …]
-    (H_m)_ij = S_jᵀ X F_i for j on the way from i to the base
+    (H_m)_ij = S_jᵀ X F_i for j on the way from i to the base; links that share a column add up
     J_b* = −(I_0^C)⁻¹ H_bm                                   (27)
     J_m* = Xᵀ S_k [k below e] + Xᵀ J_b*, at the point e      (29–31)
     f_h = I_h a_h + v_h ×̂ I_h v_h + Σ X f_i,   τ_i = S_iᵀ f_i  (17–19)
@@ -19,6 +19,7 @@ from ospace.kernels.jit.load_store import (
     add_to21,
     load3,
     load6,
+    load6_at,
     load9,
     load21,
     store3,
@@ -53,20 +54,33 @@ from ospace.kernels.workspace import Robot, Work
 @inlined
 def compose(joints: Joints, w: Work) -> None:
     """Fill `IC` and `F` at the links' origins, the columns of H_bm as rows, the diagonal of H and the mass centre."""
+    coupled = joints.followers.size > 0
     for i in range(joints.parent.size):
         store21(w.IC, i, load21(w.I, i))
+    if coupled:
+        clear6(w.H_bm)
     for i in range(joints.parent.size - 1, 0, -1):
         IC = load21(w.IC, i)
         F = sym6_mul(IC, load6(w.S, i))
         store6(w.F, i, F)
-        store6(w.H_bm, i, force_from(load3(w.r, i), F))
-        w.inertia_diagonal[i + 5, 0] = dot6(load6(w.S, i), F) + joints.armature[i, 0]
+        if coupled:
+            add_to6(w.H_bm, joints.column[i], force_from(load3(w.r, i), F))
+        else:
+            store6(w.H_bm, i, force_from(load3(w.r, i), F))
+            w.inertia_diagonal[i + 5, 0] = dot6(load6(w.S, i), F) + joints.armature[i, 0]
         add_to21(w.IC, joints.parent[i], inertia_from(load3(w.d, i), IC))
     H_b = load21(w.IC, 0)
     on_diagonal = diagonal(H_b)
     for k in range(6):
         w.inertia_diagonal[k, 0] = on_diagonal[k]
     store3(w.mass_centre, 0, mass_centre(H_b))
+
+
+@inlined
+def clear6(rows: Table) -> None:
+    """Set rows of six to zero."""
+    for k in range(rows.shape[0]):
+        store6(rows, k, zero6((rows[0, 0],)))
 
 
 @inlined
@@ -84,7 +98,7 @@ def momentum(joints: Joints, w: Work) -> None:
     R, u = load9(w.R, 0), w.velocity
     x_b = rotate(R, (u[0, 0], u[1, 0], u[2, 0])) + rotate(R, (u[3, 0], u[4, 0], u[5, 0]))
     of_joints = zero6(x_b)
-    for k in range(1, joints.parent.size):
+    for k in range(1, w.H_bm.shape[0]):
         of_joints = add6(of_joints, scale6(load6(w.H_bm, k), u[k + 5, 0]))
     store6(w.momentum, 0, add6(sym6_mul(load21(w.IC, 0), x_b), of_joints))
     store6(w.base_momentum_velocity, 0, add6(x_b, sym6_mul(load21(w.base_inverse, 0), of_joints)))
@@ -99,11 +113,12 @@ def generalized_jacobian(robot: Robot, w: Work) -> None:
         if e >= 0:
             p, link = load3(w.place, n), nodes.link[n]
             store6(w.momentum_velocity, e, motion_at(p, load6(w.base_momentum_velocity, 0)))
-            for k in range(1, joints.parent.size):
+            for k in range(1, w.J_b_star.shape[0]):
                 store6_at(w.J_m_star, k - 1, 6 * e, motion_at(p, load6(w.J_b_star, k)))
             while link > 0:
-                column = add6(motion_at(p, load6(w.J_b_star, link)), joint_column(w, p, link))
-                store6_at(w.J_m_star, link - 1, 6 * e, column)
+                k = joints.column[link] - 1
+                column = add6(load6_at(w.J_m_star, k, 6 * e), joint_column(w, p, link))
+                store6_at(w.J_m_star, k, 6 * e, column)
                 link = joints.parent[link]
     take_rows(w.J_m_star, robot.rows, w.generalized_jacobian)
 
@@ -132,24 +147,36 @@ def generalized_inertia(joints: Joints, w: Work) -> None:
 @inlined
 def add_manipulator_inertia(joints: Joints, w: Work, H: Table) -> None:
     """Add H_m to `H`, whose lower rows are filled; fill the upper ones."""
+    coupled = joints.followers.size > 0
     for i in range(1, joints.parent.size):
         F, r, j = load6(w.F, i), load3(w.r, i), i
-        H[i - 1, i - 1] = H[i - 1, i - 1] + joints.armature[i, 0]
+        k = joints.column[i] - 1
+        H[k, k] = H[k, k] + joints.armature[i, 0]
         while j > 0:
             S, f = load6(w.S, j), force_from(sub3(r, load3(w.r, j)), F)
             along = dot3(S[3:6], f[3:6]) if joints.turning[j] else dot6(S, f)
-            H[i - 1, j - 1] = H[i - 1, j - 1] + along
+            if coupled:
+                a, b = joints.column[i] - 1, joints.column[j] - 1
+                if a == b and i != j:  # once as row, once as column
+                    along = along + along
+                a, b = max(a, b), min(a, b)
+                H[a, b] = H[a, b] + along
+            else:
+                H[i - 1, j - 1] = H[i - 1, j - 1] + along
             j = joints.parent[j]
-        for j in range(i - 1):
-            H[j, i - 1] = H[i - 1, j]
+    for i in range(H.shape[0]):
+        for j in range(i):
+            H[j, i] = H[i, j]
 
 
 @inlined
 def sum_forces(joints: Joints, w: Work) -> None:
     """Turn the links' own forces in `p` into those across the joints: `base_force` and `joint_force`."""
+    for k in range(w.joint_force.shape[0]):
+        w.joint_force[k, 0] = full_like(0.0, w.R[0, 0])
     for i in range(joints.parent.size - 1, 0, -1):
-        f = load6(w.p, i)
-        w.joint_force[i - 1, 0] = dot6(load6(w.S, i), f)
+        f, k = load6(w.p, i), joints.column[i] - 1
+        w.joint_force[k, 0] = w.joint_force[k, 0] + dot6(load6(w.S, i), f)
         add_to6(w.p, joints.parent[i], force_from(load3(w.d, i), f))
     store6(w.base_force, 0, load6(w.p, 0))
 
@@ -181,10 +208,11 @@ def inverse_dynamics(joints: Joints, w: Work) -> None:
     for i in range(joints.parent.size):
         own = (w.given[0, 0], w.given[1, 0], w.given[2, 0], w.given[3, 0], w.given[4, 0], w.given[5, 0])
         if i > 0:
-            across = scale6(load6(w.S, i), w.given[i + 5, 0])
+            across = scale6(load6(w.S, i), w.given[joints.column[i] + 5, 0])
             own = add6(motion_at(load3(w.d, i), load6(w.accelerated, joints.parent[i])), across)
         store6(w.accelerated, i, own)
         store6(w.p, i, body_force(load21(w.I, i), load6(w.v, i), add6(load6(w.a, i), own)))
     sum_forces(joints, w)
     for i in range(1, joints.parent.size):
-        w.joint_force[i - 1, 0] = w.joint_force[i - 1, 0] + joints.armature[i, 0] * w.given[i + 5, 0]
+        k = joints.column[i]
+        w.joint_force[k - 1, 0] = w.joint_force[k - 1, 0] + joints.armature[i, 0] * w.given[k + 5, 0]

@@ -6,12 +6,12 @@ What is to be computed is a sum of the bits below.
 
 from __future__ import annotations
 
-from ospace.kernels import composite_body, points, pv_osimr, response, spd_inverse
+from ospace.kernels import composite_body, coupled_joints, points, pv_osimr, response, spd_inverse
 from ospace.kernels.articulated_body import NO_INERTIA
 from ospace.kernels.jit.compile import Number, Row, Table, entry, inlined
 from ospace.kernels.jit.load_store import load7, load21, store21, unowned
 from ospace.kernels.jit.simd import absolute, full_like, maximum, sqrt, zeros
-from ospace.kernels.kinematics import move_links, place_links, sines_cosines
+from ospace.kernels.kinematics import move_links, place_followers, place_links, sines_cosines
 from ospace.kernels.tree import (
     CONTINUOUS,
     FLOATING,
@@ -34,6 +34,8 @@ LINKS_STAND = 512
 NORMALIZED = 1024
 """Quaternions are at unit length to the last digit, as they are the second time."""
 COMPOSITE = FLOATING_BASE | MANIPULATOR_INERTIA | JOINT_BIAS | GENERALIZED_INERTIA | GENERALIZED_BIAS
+COUPLED_MOBILITY = FLOATING_BASE | MANIPULATOR_INERTIA | GENERALIZED_INERTIA
+"""What Γ_e⁻¹ takes where joints mimic others; and μ, GENERALIZED_BIAS."""
 MOTION = BIAS | JOINT_BIAS | GENERALIZED_BIAS
 """What takes the links' twists and accelerations."""
 PLACED_BEFORE = MOBILITY | INERTIA | BIAS | JACOBIAN | LINKS_STAND
@@ -141,12 +143,31 @@ def operational_space(robot: Robot, w: Work, wide: Wide) -> None:
     points.place_points(robot.nodes, w)
     if want & JACOBIAN:
         points.point_jacobians(robot, w)
-    if want & MOBILITY:
+    if want & MOBILITY and robot.joints.followers.size == 0:
         mobility(robot, w, want & BIAS != 0)
-        if want & INERTIA:
-            inertia(w, wide)
-            if want & BIAS:
-                bias_force(w)
+        invert(w, wide, want)
+
+
+@inlined
+def coupled_operational_space(robot: Robot, w: Work, wide: Wide) -> None:
+    """The same where joints mimic others, after the composite bodies."""
+    want, nonfinite = robot.want[0], w.diagnostics[0, NONFINITE]
+    w.diagnostics[0, PIVOT] = coupled_joints.mobility(robot, w, want & BIAS != 0)
+    for i in range(robot.rows.size):
+        nonfinite = nonfinite + 0.0 * w.inertia_inverse[i, i]
+        if want & BIAS:
+            nonfinite = nonfinite + 0.0 * w.bias_acceleration[i, 0]
+    w.diagnostics[0, NONFINITE] = nonfinite
+    invert(w, wide, want)
+
+
+@inlined
+def invert(w: Work, wide: Wide, want: int) -> None:
+    """From Γ_e⁻¹ and μ to Γ_e and μ_e, where they are wanted."""
+    if want & INERTIA:
+        inertia(w, wide)
+        if want & BIAS:
+            bias_force(w)
 
 
 @inlined
@@ -261,14 +282,15 @@ def status(d: Row) -> int:
 
 
 @inlined
-def load_input(q: Floats, v: Floats, w: Work) -> bool:
-    """Copy q and v to the workspace; return whether they fit."""
-    if q.size != w.q.shape[0] or v.size != w.velocity.shape[0]:
+def load_input(q: Floats, v: Floats, joints: Joints, w: Work) -> bool:
+    """Copy q and v to the workspace, and followers to where their leaders place them; return whether they fit."""
+    if q.size + joints.followers.size != w.q.shape[0] or v.size != w.velocity.shape[0]:
         return False
     for k in range(q.size):
         w.q[k, 0] = q[k]
     for k in range(v.size):
         w.velocity[k, 0] = v[k]
+    place_followers(joints, w)
     return True
 
 
@@ -281,7 +303,7 @@ def evaluate(q: Floats, v: Floats, memory: Floats) -> int:
         clear_input_diagnostics(w)
         copy21(w.I, w.IA)
     else:
-        if not load_input(unowned(q), unowned(v), w):
+        if not load_input(unowned(q), unowned(v), robot.joints, w):
             return BAD_INPUT
         place_both(robot, w, wide)
     operational_space(robot, w, wide)
@@ -293,13 +315,15 @@ def normalize(q: Floats, v: Floats, memory: Floats) -> int:
     """Take a state that Pinocchio is to place: normalized, and as seen from beside the base."""
     here = unowned(memory)
     robot, w = open_robot(here), open_work(here, zeros(1))
-    if not load_input(unowned(q), unowned(v), w):
+    if not load_input(unowned(q), unowned(v), robot.joints, w):
         return BAD_INPUT
     normalize_input(robot.joints, w)
-    for k in range(q.size):
+    for k in range(w.q.shape[0]):
         w.q_beside_base[k, 0] = 0.0 if k < 3 else w.q[k, 0]
-    for k in range(v.size):
+    for k in range(6):
         w.v_beside_base[k, 0] = 0.0 if k < 3 else w.velocity[k, 0]
+    for i in range(1, robot.joints.parent.size):
+        w.v_beside_base[i + 5, 0] = robot.joints.ratio[i, 0] * w.velocity[robot.joints.column[i] + 5, 0]
     d = load7(w.diagnostics, 0)
     return OK if d[NONFINITE_INPUT] == 0.0 and d[NORM_ERROR] <= UNIT_LENGTH else BAD_INPUT
 
@@ -315,7 +339,7 @@ def compose(q: Floats, v: Floats, memory: Floats) -> int:
     if robot.want[0] & PLACED_BEFORE:
         clear_input_diagnostics(w)
     else:
-        if not load_input(unowned(q), unowned(v), w):
+        if not load_input(unowned(q), unowned(v), robot.joints, w):
             return BAD_INPUT
         place(robot, w, open_wide(here), w.I)
     w.diagnostics[0, PIVOT] = w.diagnostics[0, RANGE_PIVOT] = 1.0
@@ -326,11 +350,23 @@ def compose(q: Floats, v: Floats, memory: Floats) -> int:
 
 
 @entry
-def respond(memory: Floats) -> int:
-    """Responses to forces at the points, after `evaluate`; and Λ, after `compose` with all of its bits as well."""
+def couple(memory: Floats) -> int:
+    """Γ_e⁻¹ and what is wanted with it where joints mimic others, after `compose` with the bits `COUPLED_MOBILITY`."""
     here = unowned(memory)
     robot, w = open_robot(here), open_work(here, zeros(1))
-    response.respond(robot, w)
+    coupled_operational_space(robot, w, open_wide(here))
+    return status(load7(w.diagnostics, 0))
+
+
+@entry
+def respond(memory: Floats) -> int:
+    """Responses to forces at the points, after `evaluate` or `couple`; and Λ, after `compose` with all of its bits."""
+    here = unowned(memory)
+    robot, w = open_robot(here), open_work(here, zeros(1))
+    if robot.joints.followers.size > 0:
+        coupled_joints.respond(robot, w)
+    else:
+        response.respond(robot, w)
     nonfinite, d = 0.0, w.diagnostics
     if robot.want[0] & GENERALIZED_BIAS:
         response.free_floating(robot, w)

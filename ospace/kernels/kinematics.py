@@ -15,6 +15,8 @@ inertia keeps the digits of small links at the end of long booms; what is left o
 
 from __future__ import annotations
 
+import math
+
 from ospace.kernels.jit.compile import Mat3, Number, Quaternion, Table, Vec3, entry, inlined
 from ospace.kernels.jit.load_store import (
     load3,
@@ -162,6 +164,33 @@ def place_links(joints: Joints, w: Work, I: Table) -> None:
             store6(w.S, i + 2, R[6:9] + none)
             store_axes(w.S, i + 3, none + R)
         store_link(joints, w, I, i, R, d, add3(load3(w.r, h), d))
+    couple_columns(joints, w)
+
+
+@inlined
+def follower_coordinate(joints: Joints, f: int, x: float, y: float) -> float:
+    """Coordinate of follower `f` of which the leader is at `x`; or at the cosine `x` and the sine `y` of an angle."""
+    i, leader = joints.followers[f], joints.leaders[f]
+    at = math.atan2(y, x) if joints.kind[leader] == CONTINUOUS else x
+    coordinate: float = joints.ratio[i, 0] * at + joints.offset[i, 0]
+    return coordinate
+
+
+@inlined
+def place_followers(joints: Joints, w: Work) -> None:
+    """Write the coordinates of the followers behind those of q."""
+    for f in range(joints.followers.size):
+        k = joints.first[joints.leaders[f]]
+        y = w.q[k + 1, 0] if joints.kind[joints.leaders[f]] == CONTINUOUS else 0.0
+        w.q[joints.first[joints.followers[f]], 0] = follower_coordinate(joints, f, w.q[k, 0], y)
+
+
+@inlined
+def couple_columns(joints: Joints, w: Work) -> None:
+    """Turn the columns S of followers into those of a unit rate of their leaders."""
+    for f in range(joints.followers.size):
+        i = joints.followers[f]
+        store6(w.S, i, scale6(load6(w.S, i), joints.ratio[i, 0]))
 
 
 @inlined
@@ -196,9 +225,10 @@ def move_links(joints: Joints, w: Work) -> None:
         h, kind = joints.parent[i], joints.kind[i]
         v, a = load6(w.v, h), load6(w.a, h)
         if kind != SAME_JOINT:
-            d, across = load3(w.d, i), scale6(load6(w.S, i), w.velocity[i + 5, 0])
-            for more in range(i + 1, i + COLUMNS[kind]):
-                across = add6(across, scale6(load6(w.S, more), w.velocity[more + 5, 0]))
+            d, k = load3(w.d, i), joints.column[i] + 5
+            across = scale6(load6(w.S, i), w.velocity[k, 0])
+            for more in range(1, COLUMNS[kind]):
+                across = add6(across, scale6(load6(w.S, i + more), w.velocity[k + more, 0]))
             v = add6(motion_at(d, v), across)
             a = add6(motion_at(d, a), cross_motion(v, across))
         store6(w.v, i, v)
@@ -214,7 +244,7 @@ def place_from_pinocchio(placements: Floats, J: Floats, a: Floats, memory: Float
     Parameters
     ----------
     placements : (njoints, 12) rotation by columns, then translation; inertial axes, about the base.
-    J : (nv, 6) joint columns, likewise; the first six rows are the base's.
+    J : (links + 5, 6) joint columns, likewise, of followers as of free joints; the first six rows are the base's.
     a : (njoints, 6) spatial accelerations at zero q̈, likewise.
     """
     here = unowned(memory)
@@ -228,9 +258,9 @@ def place_from_pinocchio(placements: Floats, J: Floats, a: Floats, memory: Float
         if i == 0:
             v = none + rotate(R, (w.velocity[3, 0], w.velocity[4, 0], w.velocity[5, 0]))
         else:
-            S = motion_at(r, load6(J, i + 5))
+            S = scale6(motion_at(r, load6(J, i + 5)), joints.ratio[i, 0])
             store6(w.S, i, S)
-            v = add6(motion_at(load3(w.d, i), load6(w.v, h)), scale6(S, w.velocity[i + 5, 0]))
+            v = add6(motion_at(load3(w.d, i), load6(w.v, h)), scale6(S, w.velocity[joints.column[i] + 5, 0]))
         store6(w.v, i, v)
         store6(w.a, i, motion_at(r, load6(a, body)))
     nonfinite = 0.0

@@ -9,7 +9,7 @@ With p_e the position of point e about the base and r_k, S_k of joint k on the w
 from __future__ import annotations
 
 from ospace.kernels.jit.compile import Table, Vec3, Vec6, inlined
-from ospace.kernels.jit.load_store import load3, load6, load9, store3, store6_at
+from ospace.kernels.jit.load_store import load3, load6, load6_at, load9, store3, store6_at
 from ospace.kernels.jit.simd import full_like
 from ospace.kernels.spatial import add3, add6, classical, motion_at, rotate, sub3
 from ospace.kernels.tree import Ints, Nodes
@@ -54,7 +54,8 @@ def point_jacobians(robot: Robot, w: Work) -> None:
             store6_at(w.columns, 4, 6 * e, motion_at(p, (o, o, o, o, i, o)))
             store6_at(w.columns, 5, 6 * e, motion_at(p, (o, o, o, o, o, i)))
             while link > 0:
-                store6_at(w.columns, link + 5, 6 * e, joint_column(w, p, link))
+                k = robot.joints.column[link] + 5
+                store6_at(w.columns, k, 6 * e, add6(load6_at(w.columns, k, 6 * e), joint_column(w, p, link)))
                 link = robot.joints.parent[link]
     take_rows(w.columns, robot.rows, w.jacobian)
 

@@ -1,8 +1,13 @@
 """The layout of a robot and its points, as kernels take it.
 
 The recursions run over *links*. Link 0 is the base; link i hangs from ``parent[i]`` by the one-column joint i, whose
-rate is ``velocity[5 + i]``. A joint with k columns is k such joints with massless links between them, eliminated one
-after the other, which covers every joint type that Pinocchio has. The link behind the last of them carries the body.
+rate is ``velocity[5 + column[i]]``. A joint with k columns is k such joints with massless links between them,
+eliminated one after the other, which covers every joint type that Pinocchio has. The link behind the last of them
+carries the body.
+
+A joint that mimics another, its leader, is a *follower*: at ratio · φ + offset where the leader is at φ. It shares the
+leader's column, and its S is that of a unit rate of the leader. All that is linear in the joint rates is then the sum
+over the links that share a column; H is Gᵀ H_free G with φ̇_free = G φ̇.
 
 Each link has axes of its own; the third is the axis of its joint where the joint has one.
 """
@@ -36,7 +41,7 @@ def path_to(parent: Ints, i: int) -> list[int]:
 
 
 class Joints(NamedTuple):
-    """What a robot is, whatever its state; rows 0…n, row 0 the base."""
+    """What a robot is, whatever its state; a row for each link, row 0 the base."""
 
     parent: Ints
     """The link on the side of the base; always the smaller number."""
@@ -47,6 +52,14 @@ class Joints(NamedTuple):
     """The Pinocchio joint whose frame carries the link."""
     turning: Ints
     """1 where the column is [0; z], whoever places the links."""
+    column: Ints
+    """1…n: the degree of freedom that moves the link; i for link i where no joint mimics another."""
+    link_of: Ints
+    """(n,) the link of each degree of freedom: its own or the leader's."""
+    followers: Ints
+    """(m,) links of the followers."""
+    leaders: Ints
+    """(m,) the link of the leader of each."""
     A: Floats
     """(n + 1, 9) the link's axes in its parent's where q is neutral, by columns."""
     b: Floats
@@ -61,6 +74,10 @@ class Joints(NamedTuple):
     """(n + 1, 1) inertia of the drive, felt along the joint alone; kg m², or kg."""
     pitch: Floats
     """(n + 1, 1) displacement by angle of a helical joint; m/rad."""
+    ratio: Floats
+    """(n + 1, 1) rate of the joint per unit rate of its leader; 1 where it has none."""
+    offset: Floats
+    """(n + 1, 1) of followers, rad or m."""
     axes: Floats
     """(n + 1, 9) the link's axes in those of its Pinocchio joint, by columns."""
 

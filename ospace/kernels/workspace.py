@@ -36,15 +36,16 @@ class Robot(NamedTuple):
 class Work(NamedTuple):
     """All tables of one state: name, shape, meaning; the coordinates are those of `kinematics`.
 
-    Sizes: nq, nv; links = n + 1, n joint columns; nodes, points p, rows r taken of their 6p.
+    Sizes: nq, nv = n + 6; links; nodes, points p, rows r taken of their 6p. Where joints mimic others, there are more
+    links than n + 1, and more coordinates than nq: those of the followers stand behind the others.
     """
 
-    q: Annotated[Table, "nq 1"]
-    sine: Annotated[Table, "nq 1"]
-    cosine: Annotated[Table, "nq 1"]
-    q_beside_base: Annotated[Table, "nq 1"]
-    """The state from a frame that is centred on the base and moves along with it."""
-    v_beside_base: Annotated[Table, "nv 1"]
+    q: Annotated[Table, "coordinates 1"]
+    sine: Annotated[Table, "coordinates 1"]
+    cosine: Annotated[Table, "coordinates 1"]
+    q_beside_base: Annotated[Table, "coordinates 1"]
+    """The state from a frame that is centred on the base and moves along with it; rates of all links."""
+    v_beside_base: Annotated[Table, "links+5 1"]
     # `LINKS`, as either way of placing them leaves them
     velocity: Annotated[Table, "nv 1"]
     """Base twist in base axes, then joint rates."""
@@ -93,7 +94,7 @@ class Work(NamedTuple):
     IC: Annotated[Table, "links 21"]
     F: Annotated[Table, "links 6"]
     """I_i^C S_i."""
-    H_bm: Annotated[Table, "links 6"]
+    H_bm: Annotated[Table, "n+1 6"]
     """Columns of H_bm as rows, from row 1 on; so is J_b*."""
     inertia_diagonal: Annotated[Table, "nv 1"]
     """Diagonal of H."""
@@ -101,7 +102,7 @@ class Work(NamedTuple):
     """Centre of mass about the base."""
     base_inverse: Annotated[Table, "1 21"]
     """H_b⁻¹."""
-    J_b_star: Annotated[Table, "links 6"]
+    J_b_star: Annotated[Table, "n+1 6"]
     momentum: Annotated[Table, "1 6"]
     """M_0."""
     base_momentum_velocity: Annotated[Table, "1 6"]
@@ -115,6 +116,8 @@ class Work(NamedTuple):
     """H_m."""
     generalized_inertia: Annotated[Table, "n n"]
     """H_m*."""
+    factor: Annotated[Table, "coupled coupled"]
+    """L of H_m* = L Lᵀ, lower rows; only where joints mimic others."""
     given: Annotated[Table, "nv 1"]
     """Accelerations of base and joints, for inverse dynamics."""
     accelerated: Annotated[Table, "links 6"]
@@ -164,8 +167,9 @@ class Wide(NamedTuple):
     unit: Table
 
 
-(_PARENT, _KIND, _FIRST, _BODY, _TURNING, _UP, _LINK, _POINT, _LAST_DESCENDANT, _OF_LINK, _ROWS, _WANT) = range(12)
-(_A, _B, _FIRST_MOMENTS, _INERTIA, _MASS, _ARMATURE, _PITCH, _AXES, _OFFSET, UNIT) = range(12, 22)
+(_PARENT, _KIND, _FIRST, _BODY, _TURNING, _COLUMN, _LINK_OF, _FOLLOWERS, _LEADERS) = range(9)
+(_UP, _LINK, _POINT, _LAST_DESCENDANT, _OF_LINK, _ROWS, _WANT) = range(9, 16)
+(_A, _B, _FIRST_MOMENTS, _INERTIA, _MASS, _ARMATURE, _PITCH, _RATIO, _SHIFT, _AXES, _OFFSET, UNIT) = range(16, 28)
 _FIRST_CONSTANT, _WORK = _A, UNIT + 1
 TABLES = _WORK + len(Work._fields)
 _SHAPES = {name: hint.__metadata__[0].split() for name, hint in get_type_hints(Work, include_extras=True).items()}
@@ -193,14 +197,15 @@ def lay_out(robot: Robot, nq: int, lanes: int = 1) -> Floats:
     """Return the workspace of `robot`, with room for one state in each of `lanes`."""
     joints, nodes = robot.joints, robot.nodes
     links, rows, points = len(joints.parent), len(robot.rows), int((nodes.point >= 0).sum())
-    even, n_nodes = rows + rows % 2, len(nodes.parent)
-    sizes = {"nq": nq, "nv": links + 5, "links": links, "n": links - 1, "nodes": n_nodes, "points": points}
+    even, n_nodes, n, followers = rows + rows % 2, len(nodes.parent), len(joints.link_of), len(joints.followers)
+    sizes = {"nv": n + 6, "n": n, "n+1": n + 1, "coupled": n if followers else 0, "nodes": n_nodes, "points": points}
+    sizes |= {"coordinates": nq + followers, "links": links, "links+5": links + 5}
     sizes |= {"pairs": n_nodes * (n_nodes + 1) // 2, "6p": 6 * points, "rows": rows, "even+2": even + 2}
     sizes |= {"wide": padded(even) if lanes == 1 else even}
-    lists = [*joints[:5], nodes.parent, nodes.link, nodes.point]
+    lists = [*joints[:_UP], nodes.parent, nodes.link, nodes.point]
     lists += [nodes.last_descendant, nodes.of_link, robot.rows, robot.want]
-    constants = [*joints[5:], nodes.offset, np.eye(even, padded(even))]
-    shapes = [(len(one), 1) for one in lists] + [one.shape for one in constants]
+    constants = [*joints[_UP:], nodes.offset, np.eye(even, padded(even))]
+    shapes: list[tuple[int, ...]] = [(len(one), 1) for one in lists] + [one.shape for one in constants]
     shapes += [tuple(sizes[k] if k in sizes else int(k) for k in shape) for shape in _SHAPES.values()]
     counts = np.array(shapes, dtype=np.int64)
     lengths = counts.prod(axis=1) * np.where(np.arange(TABLES) < _WORK, 1, lanes)
@@ -233,11 +238,11 @@ def links(memory: Floats) -> Floats:
     return memory[at[3 * place_of(LINKS[0])] : at[3 * (place_of(LINKS[-1]) + 1)]]
 
 
-def view_of_links(tables: Floats, name: str, count: int) -> Floats:
-    """Return a view of the table `name` of a copy of `links`, of a robot with `count` links."""
+def view_of_links(tables: Floats, name: str, count: int, nv: int) -> Floats:
+    """Return a view of the table `name` of a copy of `links`, of a robot with `count` links and `nv` velocities."""
     start = 0
     for other in LINKS:
-        rows, columns = count + 5 if other == "velocity" else count, int(_SHAPES[other][1])
+        rows, columns = nv if other == "velocity" else count, int(_SHAPES[other][1])
         if other == name:
             break
         start += padded(rows * columns)
@@ -286,6 +291,10 @@ def open_robot(memory: Floats) -> Robot:
         open_list(memory, at, _FIRST),
         open_list(memory, at, _BODY),
         open_list(memory, at, _TURNING),
+        open_list(memory, at, _COLUMN),
+        open_list(memory, at, _LINK_OF),
+        open_list(memory, at, _FOLLOWERS),
+        open_list(memory, at, _LEADERS),
         open_constants(memory, at, _A, 9),
         open_constants(memory, at, _B, 3),
         open_constants(memory, at, _FIRST_MOMENTS, 3),
@@ -293,6 +302,8 @@ def open_robot(memory: Floats) -> Robot:
         open_constants(memory, at, _MASS, 1),
         open_constants(memory, at, _ARMATURE, 1),
         open_constants(memory, at, _PITCH, 1),
+        open_constants(memory, at, _RATIO, 1),
+        open_constants(memory, at, _SHIFT, 1),
         open_constants(memory, at, _AXES, 9),
     )
     nodes = Nodes(

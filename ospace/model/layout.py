@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
 from typing import NamedTuple
 
@@ -28,6 +28,7 @@ from ospace.kernels.tree import (
     Nodes,
 )
 from ospace.kernels.workspace import Robot, lay_out
+from ospace.model.mimic import FreeJoints, couplings_of
 from ospace.model.pinocchio_pass import PinocchioPass
 from ospace.urdf.joint_axis import joint_axis
 
@@ -73,6 +74,8 @@ class Layout:
         That link; −1 for the universe, 0 for the base.
     own_kinematics : bool
         Whether the kernels can place the links themselves; Pinocchio does where they cannot.
+    free : FreeJoints or None
+        The same robot without its couplings, where joints mimic others.
     local : threading.local
         Memory of each thread to work in.
     """
@@ -82,21 +85,33 @@ class Layout:
         self.name: str = model.name
         self.local = threading.local()
         self.nq, self.nv = int(model.nq), int(model.nv)
-        rows = self.nv - BASE_NV + 1
-        self.link_of_joint: Ints = np.array(
-            [-1] + [model.idx_vs[j] + model.nvs[j] - BASE_NV for j in range(1, model.njoints)]
-        )
+        couplings = couplings_of(model)
+        columns = [1 if j in couplings else int(model.nvs[j]) for j in range(2, model.njoints)]
+        self.link_of_joint: Ints = np.array([-1, 0, *np.cumsum(columns)], dtype=np.int64)
+        rows = sum(columns) + 1
         self.link_axes: list[Floats] = [np.eye(3), np.eye(3)]
-        parent, kind, first, body, turning = np.zeros((5, rows), dtype=np.int64)
+        parent, kind, first, body, turning, column = np.zeros((6, rows), dtype=np.int64)
         A, b, axes = np.zeros((rows, 9)), np.zeros((rows, 3)), np.zeros((rows, 9))
-        moments, inertia, mass, pitch = (np.zeros((rows, k)) for k in (3, 6, 1, 1))
+        moments, inertia, mass, pitch, offset = (np.zeros((rows, k)) for k in (3, 6, 1, 1, 1))
+        ratio, armature = np.ones((rows, 1)), np.zeros((rows, 1))
         A[0] = axes[0] = np.eye(3).ravel()
         body[0] = 1
+        followers, leaders = [], []
         for j in range(2, model.njoints):
-            h, i = int(self.link_of_joint[model.parents[j]]), int(model.idx_vs[j]) - BASE_NV + 1
+            h, i = int(self.link_of_joint[model.parents[j]]), int(self.link_of_joint[j - 1]) + 1
             turn, before = self.link_axes[model.parents[j]], model.jointPlacements[j]
-            own = slice(i, i + model.nvs[j])
-            for step in _steps(model.joints[j]):
+            count = columns[j - 2]
+            own = slice(i, i + count)
+            column[own] = np.arange(model.idx_vs[j], model.idx_vs[j] + count) - BASE_NV + 1
+            if j in couplings:
+                ratio[i], offset[i] = couplings[j].ratio, couplings[j].offset
+                leaders.append(int(self.link_of_joint[couplings[j].leader]))
+                followers.append(i)
+                steps: Iterable[_Step] = [_Step(couplings[j].kind, couplings[j].axis, self.nq + len(followers) - 1)]
+            else:
+                armature[own] = model.armature[model.idx_vs[j] :][:count, None]
+                steps = _steps(model.joints[j])
+            for step in steps:
                 placement, z_axis = before * step.placement, turn_z_to(step.axis)
                 A[i], b[i] = (turn.T @ placement.rotation @ z_axis).ravel(order="F"), turn.T @ placement.translation
                 first[i], pitch[i] = step.first, step.pitch
@@ -105,16 +120,39 @@ class Layout:
                     parent[i], kind[i] = h, step.kind if k == 0 else SAME_JOINT
                     h, i = i, i + 1
             body[own], axes[own] = j, turn.ravel(order="F")
-            turning[own] = model.nvs[j] == 1 and kind[i - 1] in (REVOLUTE, CONTINUOUS)
+            turning[own] = count == 1 and kind[i - 1] in (REVOLUTE, CONTINUOUS)
             self.link_axes.append(turn)
         for j in range(1, model.njoints):
             i, turn = int(self.link_of_joint[j]), self.link_axes[j]
             body_inertia = model.inertias[j]
             mass[i], moments[i] = body_inertia.mass, turn.T @ (body_inertia.mass * body_inertia.lever)
             inertia[i] = (turn.T @ body_inertia.matrix()[3:, 3:] @ turn)[np.tril_indices(3)]
-        armature = np.r_[0.0, model.armature[BASE_NV:]][:, None]
-        self.links = Joints(parent, kind, first, body, turning, A, b, moments, inertia, mass, armature, pitch, axes)
+        link_of = np.zeros(self.nv - BASE_NV, dtype=np.int64)
+        leading = np.setdiff1d(np.arange(1, rows), followers)
+        link_of[column[leading] - 1] = leading
+        self.links = Joints(
+            parent,
+            kind,
+            first,
+            body,
+            turning,
+            column,
+            link_of,
+            np.array(followers, dtype=np.int64),
+            np.array(leaders, dtype=np.int64),
+            A,
+            b,
+            moments,
+            inertia,
+            mass,
+            armature,
+            pitch,
+            ratio,
+            offset,
+            axes,
+        )
         self.own_kinematics = UNKNOWN not in kind
+        self.free = FreeJoints(model, couplings) if couplings else None
 
     @property
     def n_joints(self) -> int:
@@ -132,9 +170,19 @@ class Layout:
         local = self.local
         if not hasattr(local, "scratch"):
             nowhere = self.with_points((), (), np.zeros(0, dtype=np.int64))
-            local.scratch = PinocchioPass(self.model, lay_out(nowhere, self.nq))
+            local.scratch = PinocchioPass(self.model, lay_out(nowhere, self.nq), self.free)
         scratch: PinocchioPass = local.scratch
         return scratch
+
+    @property
+    def data(self) -> pin.Data:
+        """Pinocchio's working memory for `model` on this thread; `scratch` has that of the free joints."""
+        if self.free is None:
+            return self.scratch.data
+        local = self.local
+        if not hasattr(local, "data"):
+            local.data = self.model.createData()
+        return local.data
 
     def joint_of_link(self, i: int) -> str:
         """Return the name of the joint by which link `i` of the recursions hangs."""

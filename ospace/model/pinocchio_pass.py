@@ -14,6 +14,7 @@ import pinocchio as pin
 
 from ospace.kernels import evaluation, kinematics, workspace
 from ospace.kernels.tree import Floats
+from ospace.model.mimic import FreeJoints
 
 _SE3, _MOTION = 12, 6  # numbers from one body to the next
 
@@ -21,16 +22,20 @@ _SE3, _MOTION = 12, 6  # numbers from one body to the next
 class PinocchioPass:
     """`pin.Data` of a model, what a pass leaves in it as arrays, and the links that kernels make of them.
 
+    Where joints mimic others, model and data are those of the robot without its couplings.
+
     Attributes
     ----------
     placements : (njoints, 12) rotation by columns, then translation, of each joint; world axes and origin.
     accelerations : (njoints, 6) spatial accelerations at zero q̈; world axes and origin.
     columns : (nv, 6) joint columns; world axes and origin.
-    q : (nq,) the configuration of the last pass, quaternions at unit length.
+    q : (nq,) of the robot, the configuration of the last pass, quaternions at unit length.
     """
 
-    def __init__(self, model: pin.Model, memory: Floats) -> None:
-        self.model = model
+    def __init__(self, model: pin.Model, memory: Floats, free: FreeJoints | None = None) -> None:
+        nq = int(model.nq)
+        self._order = None if free is None else free.order
+        self.model = model = model if free is None else free.model
         self.data = model.createData()
         self._still = np.zeros(model.nv)
         self.columns: Floats = self.data.J.T
@@ -41,7 +46,8 @@ class PinocchioPass:
             self.columns = np.zeros((model.nv, 6))
         self._memory = memory
         self._links = workspace.links(memory)
-        self.q, self._q_beside_base = workspace.view(memory, "q")[:, 0], workspace.view(memory, "q_beside_base")[:, 0]
+        self.q = workspace.view(memory, "q")[:nq, 0]
+        self._q_beside_base = workspace.view(memory, "q_beside_base")[:, 0]
         self._v_beside_base = workspace.view(memory, "v_beside_base")[:, 0]
         self._diagnostics = workspace.view(memory, "diagnostics")
 
@@ -57,9 +63,8 @@ class PinocchioPass:
         """
         if evaluation.normalize(q, v, self._memory):
             return None
-        pin.computeForwardKinematicsDerivatives(
-            self.model, self.data, self._q_beside_base, self._v_beside_base, self._still
-        )
+        q_beside = self._q_beside_base if self._order is None else self._q_beside_base[self._order]
+        pin.computeForwardKinematicsDerivatives(self.model, self.data, q_beside, self._v_beside_base, self._still)
         if not self.zero_copy:
             self.placements[:] = _placements(self.data)
             self.accelerations[:] = _accelerations(self.data)

@@ -89,7 +89,8 @@ class SpaceRobot(Layout):
         package_dirs : sequence of path-like
             Folders in which ``package://`` mesh names are looked up; dynamics need none.
         free_mimic : bool
-            Take joints that mimic others as independent ones, with a warning each; else they are an error.
+            Take joints that mimic others as independent ones, with a warning each; else they follow these and have no
+            coordinate of their own.
         limits : ospace.Limits, optional
             How large file and robot may be; 20 MB, 2000 links and 150 degrees of freedom without it.
 
@@ -119,7 +120,7 @@ class SpaceRobot(Layout):
         Raises
         ------
         OspaceError
-            The model has no free-flying base, or a mimic joint.
+            The model has no free-flying base.
         UnsoundModelError
             The inertias make no physical sense.
         """
@@ -131,10 +132,15 @@ class SpaceRobot(Layout):
 
     # -- what it is ------------------------------------------------------------------------------------------
 
+    @cached_property
+    def _moved(self) -> list[int]:
+        """Pinocchio's numbers of the joints behind the base, but for those that mimic others."""
+        return [j for j in range(2, self.model.njoints) if self.model.nvs[j] > 0]
+
     @property
     def joint_names(self) -> list[str]:
-        """Names of the joints behind the base, in Pinocchio's order."""
-        return list(self.model.names)[2:]
+        """Names of the joints behind the base that have a rate of their own, in Pinocchio's order."""
+        return [str(self.model.names[j]) for j in self._moved]
 
     @cached_property
     def rate_names(self) -> list[str]:
@@ -240,8 +246,7 @@ class SpaceRobot(Layout):
         q = checked_vector(q, self.nq, "q", self.name)
         return {
             name: from_q(self.model.joints[j], q[self.model.idx_qs[j] :][: self.model.nqs[j]])
-            for j, name in enumerate(self.model.names)
-            if j > 1
+            for j, name in zip(self._moved, self.joint_names, strict=True)
         }
 
     def neutral(self) -> Floats:
@@ -296,7 +301,7 @@ class SpaceRobot(Layout):
         """Return Pinocchio's number of a joint behind the base; raises `OspaceError` for an unknown name."""
         if name not in self.joint_names:
             raise OspaceError(f"robot '{self.name}' has no joint '{name}'{closest(str(name), self.joint_names)}")
-        return 2 + self.joint_names.index(name)  # behind Pinocchio's universe and the base, whatever their names
+        return self._moved[self.joint_names.index(name)]
 
     def rates_of(self, name: str) -> slice:
         """Return where the rates of a joint stand in ``v[6:]``; raises `OspaceError` for an unknown name."""
@@ -323,8 +328,6 @@ def _check_floating_base(model: pin.Model) -> None:
             f"model '{model.name}' has no free-flying base: its one root joint must be a pin.JointModelFreeFlyer"
         )
     for j in range(1, model.njoints):
-        if model.joints[j].shortname() == "JointModelMimic":
-            raise OspaceError(f"joint '{model.names[j]}' is a mimic joint: build the model with mimic=False")
         if j > 1 and model.parents[j] not in model.supports[j - 1]:
             raise OspaceError(
                 f"joint '{model.names[j]}' is out of order: Pinocchio's crba is wrong unless each subtree is added "

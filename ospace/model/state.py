@@ -97,7 +97,7 @@ class State:
 
     def table(self, name: str) -> Floats:
         """Return a view of one of the tables in `links`."""
-        return view_of_links(self.links, name, self.robot.n_joints + 1)
+        return view_of_links(self.links, name, len(self.robot.links.parent), self.robot.nv)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copy by taking the robot's copy to `q` and `v` anew."""

@@ -116,11 +116,11 @@ def _between(robot: Layout, a: int, b: int) -> float:
 
 def _length(robot: Layout, j: int) -> float:
     """Return how far the frame of joint `j` may be from that of the joint before it, m."""
-    model, joint = robot.model, robot.model.joints[j]
+    model, joint = robot.model, (robot.free or robot).model.joints[j]
     offset = float(np.linalg.norm(model.jointPlacements[j].translation))
     if joint.shortname().startswith(_TURNING):
         return offset
-    if unit_of(joint) != "m" or joint.nv > 1:
+    if unit_of(joint) != "m" or model.nvs[j] != 1:
         return math.inf
     k = model.idx_qs[j]
     return offset + max(abs(float(model.lowerPositionLimit[k])), abs(float(model.upperPositionLimit[k])))

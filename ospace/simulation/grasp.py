@@ -155,10 +155,10 @@ def release(held: Grasp, q: npt.ArrayLike, v: npt.ArrayLike) -> tuple[State, Sta
         parts.append((robot, part_q, part_v))
 
     # The target's base, from the link that is held: X = held link as seen from the base, moving by itself.
-    model, data = joined.robot.model, joined.robot.scratch.data
+    model, data = joined.robot.model, joined.robot.data
     pin.forwardKinematics(model, data, q, v)
     robot, part_q, part_v = parts[1]
-    own = robot.scratch.data
+    own = robot.data
     pin.forwardKinematics(robot.model, own, part_q, part_v)
     X = own.oMi[held._held]
     part_q[:7] = pin.SE3ToXYZQUAT(data.oMi[held._hand] * held._T_HT * X.inverse())

@@ -1,6 +1,7 @@
 """The robot as integrators see it: (t, q, v) to accelerations, and to the rates of work and of momentum.
 
-    H v̇ + c = τ + [0; τ_f] + Σ J_eᵀ F_e,      τ = [R_WBᵀ F_b; torques]           by `pin.aba`
+    H v̇ + c = τ + [0; τ_f] + Σ J_eᵀ F_e,      τ = [R_WBᵀ F_b; torques]           by `pin.aba`; by `pin.crba` and
+                                                       `pin.rnea` of the free joints where joints mimic others
     work        Ẇ = τᵀ v + Σ F_eᵀ ẋ_e
     friction    Ḋ = −τ_fᵀ φ̇ ≥ 0,       τ_f of `ospace.dynamics.joint_friction`
     momentum    ṗ = f_b + Σ f_e,    L̇ = p_b × f_b + n_b + Σ (p_e × f_e + n_e)
@@ -39,12 +40,17 @@ class Plant:
         Held until the next `hold`.
     friction : JointFriction or None
         Of the joints; None where the model has none.
+    bodies : pin.Model
+        The robot's model; of free joints where joints mimic others.
     rates : (7,) array
         ṗ and L̇, inertial axes, which is `impulse_rate`, and Ḋ; overwritten by `accelerate`.
     """
 
     def __init__(self, robot: SpaceRobot, wrenches: Mapping[OperationalPoint, Wrench] | None = None) -> None:
-        self.robot, self.model, self.data = robot, robot.model, robot.model.createData()
+        self.robot, self.model = robot, robot.model
+        self._free = robot.free
+        self.bodies = robot.model if robot.free is None else robot.free.model
+        self.data = self.bodies.createData()
         self.tau = np.zeros(robot.nv)
         self.torque = self.tau[6:]
         self._base = np.zeros((2, 6))
@@ -71,11 +77,11 @@ class Plant:
         ]
         self._fext = pin.StdVec_Force()
         self._fext.extend([pin.Force.Zero()] * self.model.njoints)
-        self._rotor = self.model.armature.copy()
-        self._bare = self.model
+        self._rotor = self.bodies.armature.copy()
+        self._bare = self.bodies
         if self._rotor.any():
-            self._bare = pin.Model(self.model)
-            self._bare.armature = np.zeros(robot.nv)
+            self._bare = pin.Model(self.bodies)
+            self._bare.armature = np.zeros(self.bodies.nv)
 
     @property
     def isolated(self) -> bool:
@@ -124,14 +130,43 @@ class Plant:
         if self._pushed:
             push_base(q, self._base, self.tau, self.impulse_rate)
         tau = self.tau if self.friction is None else self._resist(self.friction, v)
+        if self._free:
+            return self._accelerate_coupled(time, q, v, tau, acceleration)
         if not self._external:
             acceleration[:] = pin.aba(self.model, self.data, q, v, tau, pin.Convention.LOCAL)
             return float(self.tau @ v)
         self._push_points(time, q)
         acceleration[:] = pin.aba(self.model, self.data, q, v, tau, self._fext, pin.Convention.LOCAL)
+        return float(self.tau @ v) + self._power_of_points()
+
+    def _power_of_points(self) -> float:
+        """Return Σ F_eᵀ ẋ_e of the last pass with velocities."""
         moving = self.data.v
-        on_points = sum(float(row @ moving[j].vector) for j, row in zip(self._joints, self._on_joints, strict=True))
+        return sum(float(row @ moving[j].vector) for j, row in zip(self._joints, self._on_joints, strict=True))
+
+    def _accelerate_coupled(self, time: float, q: Floats, v: Floats, tau: Floats, acceleration: Floats) -> float:
+        if self._external:
+            self._push_points(time, q)
+        own_q, own_v = self.bodies_at(q, v)
+        force = pin.rnea(self.bodies, self.data, own_q, own_v, np.zeros(len(own_v)), self._fext)
+        on_points = self._power_of_points() if self._external else 0.0
+        acceleration[:] = np.linalg.solve(self.inertia(q), tau - self.coupled(force))
         return float(self.tau @ v) + on_points
+
+    def inertia(self, q: Floats) -> Floats:
+        """Return H (nv, nv) at `q`, base rows in base axes, with the drives' inertia."""
+        own_q = q if self._free is None else self._free.configuration(q)
+        upper = np.triu(pin.crba(self.bodies, self.data, own_q))
+        H: Floats = upper + np.triu(upper, 1).T
+        return H if self._free is None else self._free.G.T @ H @ self._free.G
+
+    def bodies_at(self, q: Floats, v: Floats) -> tuple[Floats, Floats]:
+        """Return q and v of `bodies`."""
+        return (q, v) if self._free is None else (self._free.configuration(q), self._free.G @ v)
+
+    def coupled(self, force: Floats) -> Floats:
+        """Return forces along v of those along the rates of `bodies`."""
+        return force if self._free is None else self._free.G.T @ force
 
     def _resist(self, friction: JointFriction, v: Floats) -> Floats:
         """Return τ with friction at velocity `v`; write Ḋ to `rates`."""
@@ -150,8 +185,8 @@ class Plant:
         if self.friction is None:
             return 0.0
         root = np.sqrt(self.friction.slope(np.zeros(self.robot.n_joints)))
-        upper = pin.computeMinverse(self.model, self.data, q)[6:, 6:]
-        return float(np.linalg.eigvalsh(root[:, None] * upper * root, UPLO="U")[-1])
+        responses = np.linalg.inv(self.inertia(q))[6:, 6:]
+        return float(np.linalg.eigvalsh(root[:, None] * responses * root)[-1])
 
     def generalized_force(self, time: float, q: Floats) -> Floats:
         """Return τ + Σ J_eᵀ F_e (nv,) without friction, base rows in base axes; write ṗ, L̇ to `impulse_rate`."""
@@ -160,13 +195,13 @@ class Plant:
         if not self._external:
             return self.tau.copy()
         self._push_points(time, q)
-        still = np.zeros(self.robot.nv)
-        force: Floats = self.tau - pin.rnea(self.model, self.data, q, still, still, self._fext)
+        own_q, still = self.bodies_at(q, np.zeros(self.robot.nv))
+        force: Floats = self.tau - self.coupled(pin.rnea(self.bodies, self.data, own_q, still, still, self._fext))
         return force
 
     def _push_points(self, time: float, q: Floats) -> None:
         """Fill Pinocchio's external forces, each in its joint's frame, and add to `impulse_rate`."""
-        pin.forwardKinematics(self.model, self.data, q)
+        pin.forwardKinematics(self.bodies, self.data, q if self._free is None else self._free.configuration(q))
         if not self._pushed:
             self.impulse_rate[:] = 0.0
         on_joints, placements = self._on_joints, self.data.oMi
@@ -182,15 +217,17 @@ class Plant:
         Inertial axes. The drives' inertia has its part in the energy, none in the momentum. Pinocchio 4.1 counts it
         wrongly for revolute joints about any axis, so it is counted here.
         """
-        momentum = pin.computeCentroidalMomentum(self.model, self.data, q, v).vector
+        q, v = self.bodies_at(q, v)
+        momentum = pin.computeCentroidalMomentum(self.bodies, self.data, q, v).vector
         energy = pin.computeKineticEnergy(self._bare, self.data)
-        if self._bare is not self.model:
+        if self._bare is not self.bodies:
             energy += 0.5 * float(self._rotor @ (v * v))
         return momentum, self.data.com[0], float(energy)
 
     def largest_inertia(self, q: Floats) -> float:
         """Return the largest principal inertia of the robot with its joints locked, about its centre of mass, kg m²."""
-        pin.ccrba(self.model, self.data, q, np.zeros(self.robot.nv))
+        q, still = self.bodies_at(q, np.zeros(self.robot.nv))
+        pin.ccrba(self.bodies, self.data, q, still)
         return float(np.linalg.eigvalsh(self.data.Ig.inertia)[-1])
 
 

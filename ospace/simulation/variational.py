@@ -46,7 +46,7 @@ class VariationalMidpoint:
         for j in range(1, model.njoints):
             _refuse(model, j)
         self._adjoint = Adjoint(model)
-        self._still = np.zeros(model.nv)
+        self._still = np.zeros(plant.bodies.nv)
         self._lead = np.zeros(model.nv)  # of ξ before v, in the last step: where the next one starts to look
 
     def step(self, t: float, h: float, motion: Motion) -> None:
@@ -55,11 +55,11 @@ class VariationalMidpoint:
         q, friction = motion.q, plant.friction
         before = 0.5 * h * plant.generalized_force(t, q)
         impulse = 0.5 * h * plant.impulse_rate
-        p = self._inertia(q) @ motion.v + before
+        p = self.plant.inertia(q) @ motion.v + before
 
         xi, last = motion.v + self._lead, np.inf
         terms = terms_of(h * xi)
-        H = self._inertia(pin.integrate(model, q, 0.5 * h * xi))
+        H = self.plant.inertia(pin.integrate(model, q, 0.5 * h * xi))
         H_inv = np.linalg.inv(H)
         for _ in range(_ITERATIONS):
             w, g, A_T = self._at_midpoint(q, xi, h, terms)
@@ -83,25 +83,21 @@ class VariationalMidpoint:
             resistance = friction.torque(xi[6:])
             p[6:] += 0.5 * h * resistance
             motion.dissipated -= h * float(resistance @ xi[6:])
-        motion.v = np.asarray(np.linalg.solve(self._inertia(motion.q), p))
+        motion.v = np.asarray(np.linalg.solve(self.plant.inertia(motion.q), p))
         motion.work += float((before + after) @ xi)
         if not plant.isolated:
             motion.impulse = motion.impulse + impulse + 0.5 * h * plant.impulse_rate
 
     def _at_midpoint(self, q: Floats, xi: Floats, h: float, terms: int) -> tuple[Floats, Floats, Floats]:
         """Return w, g and (ad_{hξ})ᵀ of the mean velocity `xi`."""
-        model, data = self.plant.model, self.plant.data
-        q_m = pin.integrate(model, q, 0.5 * h * xi)
-        pin.computeRNEADerivatives(model, data, q_m, self._still, xi)  # ∂(H ξ)/∂q
-        g: Floats = 0.5 * (xi @ data.dtau_dq)
+        plant, data = self.plant, self.plant.data
+        q_m = pin.integrate(plant.model, q, 0.5 * h * xi)
+        own_q, own_xi = plant.bodies_at(q_m, xi)
+        pin.computeRNEADerivatives(plant.bodies, data, own_q, self._still, own_xi)  # ∂(H ξ)/∂q
+        g: Floats = plant.coupled(0.5 * (own_xi @ data.dtau_dq))
         A_T = self._adjoint.at(h * xi).T
-        w: Floats = self._inertia(q_m) @ xi + 0.5 * h * series(EXP, 0.5 * A_T, g, terms)
+        w: Floats = plant.inertia(q_m) @ xi + 0.5 * h * series(EXP, 0.5 * A_T, g, terms)
         return w, g, A_T
-
-    def _inertia(self, q: Floats) -> Floats:
-        upper = pin.crba(self.plant.model, self.plant.data, q)
-        H: Floats = np.triu(upper) + np.triu(upper, 1).T
-        return H
 
 
 def _resisted(friction: JointFriction, H: Floats, b: Floats, xi: Floats, h: float) -> Floats:

@@ -166,11 +166,11 @@ def _along(legs: Sequence[tuple[float, float, int, float, float]], n: int) -> Jo
 
 def _ranges(robot: SpaceRobot, q: Floats) -> list[tuple[float, float]]:
     """Return how far each degree of freedom of the joints may move down and up from `q`."""
-    model, data, ranges = robot.model, robot.model.createData(), []
-    columns = pin.computeJointJacobians(model, data, q)
+    model, ranges = robot.model, []
+    S = robot.state(q).table("S")[robot.links.link_of]
     for j in range(2, model.njoints):
         for i in range(model.nvs[j]):
-            turns = np.abs(columns[3:, model.idx_vs[j] + i]).max() > 0.0
+            turns = np.abs(S[model.idx_vs[j] - 6 + i, 3:]).max() > 0.0
             most = _TURN if turns else _SHIFT
             low, high, at = -math.inf, math.inf, 0.0
             if model.nqs[j] == model.nvs[j]:  # of others, coordinates are no degrees of freedom

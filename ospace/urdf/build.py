@@ -7,15 +7,17 @@ import os
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
+from types import MappingProxyType
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
 import pinocchio as pin
 
+from ospace.urdf.coupling import Following
 from ospace.urdf.description import Description, Inertial, Joint, Link, Pose
 from ospace.urdf.errors import UrdfError
 from ospace.urdf.lint.findings import Finding, make_finding
@@ -91,8 +93,10 @@ def _parsed(xml: str, base: str | None) -> tuple[pin.Model | None, list[str]]:
     return model, errors
 
 
-def to_xml(description: Description) -> str:
+def to_xml(description: Description, followers: Mapping[str, Following] = MappingProxyType({})) -> str:
     """Write links with their inertials, and joints, as a URDF; numbers keep every digit.
+
+    Joints that mimic others are free but for those of `followers`.
 
     Returns
     -------
@@ -100,7 +104,7 @@ def to_xml(description: Description) -> str:
     """
     parts = [f"<robot name={quoteattr(description.name)}>"]
     parts += map(_link, description.links)
-    parts += map(_joint, description.joints)
+    parts += [_joint(joint, followers.get(joint.name)) for joint in description.joints]
     return "".join([*parts, "</robot>"])
 
 
@@ -115,7 +119,7 @@ def _inertial(inertial: Inertial) -> str:
     return f'<inertial>{_origin(inertial.pose)}<mass value="{inertial.mass!r}"/><inertia {tensor}/></inertial>'
 
 
-def _joint(joint: Joint) -> str:
+def _joint(joint: Joint, follows: Following | None) -> str:
     text = (
         f'<joint name={quoteattr(joint.name)} type="{joint.kind}">{_origin(joint.pose)}'
         f"<parent link={quoteattr(joint.parent)}/><child link={quoteattr(joint.child)}/>"
@@ -130,8 +134,14 @@ def _joint(joint: Joint) -> str:
     bounds = " ".join(f'{key}="{max(-_LARGEST, min(_LARGEST, value))!r}"' for key, value in limits.items())
     return (
         f'{text}<axis xyz="{_joined(joint.axis)}"/><limit {bounds}/>'
-        f'<dynamics damping="{joint.damping!r}" friction="{joint.friction!r}"/></joint>'
+        f'<dynamics damping="{joint.damping!r}" friction="{joint.friction!r}"/>{_mimic(follows)}</joint>'
     )
+
+
+def _mimic(follows: Following | None) -> str:
+    if follows is None:
+        return ""
+    return f'<mimic joint={quoteattr(follows.leader)} multiplier="{follows.ratio!r}" offset="{follows.offset!r}"/>'
 
 
 def _origin(pose: Pose) -> str:

@@ -12,8 +12,9 @@ from ospace.exceptions import printable
 from ospace.urdf import parity, source, structure
 from ospace.urdf.bodies import bodies_of
 from ospace.urdf.build import build, build_original
+from ospace.urdf.coupling import couple, followings
 from ospace.urdf.description import Description
-from ospace.urdf.lint import inertia, joints, meshes, plausibility
+from ospace.urdf.lint import inertia, joints, meshes, mimicry, plausibility
 from ospace.urdf.lint.findings import Finding, any_error, by_severity
 from ospace.urdf.parse import parse
 from ospace.urdf.source import Limits
@@ -51,7 +52,7 @@ def read(
         Folders in which ``package://`` names of meshes are looked up.
     limits : Limits, optional
     free_mimic : bool
-        Take joints that mimic others as independent, with a warning; else they are an error.
+        Take joints that mimic others as independent, with a warning; else they follow these.
 
     Returns
     -------
@@ -97,7 +98,8 @@ def read_content(
     structure.check_dof(path, description, limits)
     bodies = bodies_of(description)
     findings += of_base
-    findings += joints.check_joints(description, free_mimic=free_mimic)
+    findings += joints.check_joints(description)
+    findings += mimicry.check_mimicry(description, free_mimic=free_mimic)
     # A link whose <inertial> cannot be read seems massless here: what follows from that is not reported.
     if not any(finding.code in _NO_INERTIAL for finding in findings):
         findings += inertia.check_bodies(bodies)
@@ -110,5 +112,7 @@ def read_content(
     parity.check_built(path, bodies, model)
     original, errors = build_original(content, described, has_free_flyer=description.root != described.root)
     built += parity.check_original(bodies, original, errors, findings)
+    if not free_mimic and (followers := followings(description)):
+        model = couple(model, followers)
     findings += built
     return Reading(description, by_severity(findings), None if any_error(built) else model)

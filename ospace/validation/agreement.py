@@ -24,6 +24,7 @@ from typing import Literal
 import numpy as np
 
 from ospace.dynamics.batch import QUANTITIES, interpreted_batch, operational_space_batch
+from ospace.model.layout import Layout
 from ospace.validation.quantities import TABLE
 from ospace.validation.sample import Sample
 
@@ -65,8 +66,10 @@ class Agreement:
 class AgreementTable:
     """Collects the rows of the table over states: call `add` for each, `add_batch` for some, then `rows`."""
 
-    def __init__(self) -> None:
-        self._seen: list[list[tuple[float, float]]] = [[] for _ in TABLE]
+    def __init__(self, robot: Layout) -> None:
+        coupled = [quantity.coupled() for quantity in TABLE]
+        self._table = TABLE if robot.free is None else [quantity for quantity in coupled if quantity]
+        self._seen: list[list[tuple[float, float]]] = [[] for _ in self._table]
 
     def add(self, sample: Sample) -> None:
         """Compare every quantity in one more state, but for those of the batch."""
@@ -89,7 +92,7 @@ class AgreementTable:
             self._add(sample, in_batch=True)
 
     def _add(self, sample: Sample, *, in_batch: bool) -> None:
-        for seen, quantity in zip(self._seen, TABLE, strict=True):
+        for seen, quantity in zip(self._seen, self._table, strict=True):
             if quantity.in_batch == in_batch:
                 compared = quantity.compare(sample)
                 seen.append((compared.error, sample.unit * compared.condition))
@@ -98,7 +101,7 @@ class AgreementTable:
         """Return the table."""
         return [
             summary(quantity.name, quantity.equation, quantity.computed_by, quantity.checked_against, seen)
-            for quantity, seen in zip(TABLE, self._seen, strict=True)
+            for quantity, seen in zip(self._table, self._seen, strict=True)
         ]
 
 

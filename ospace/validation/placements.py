@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import logging
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
 import numpy as np
@@ -15,6 +15,7 @@ from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
 from ospace.model.robot import SpaceRobot
 from ospace.urdf.build import to_xml
+from ospace.urdf.coupling import Following, followings
 from ospace.urdf.description import Description
 from ospace.validation.sampling import random_state
 
@@ -34,7 +35,7 @@ class IndependentReader:
         if robot.description is None:
             raise OspaceError(f"robot '{robot.name}' was not read from a URDF")
         self.robot = robot
-        self._urdf = _load(robot.description)
+        self._urdf = _load(robot.description, {} if robot.free is None else followings(robot.description))
         # Each link as seen from the one it hangs from: where all of these agree, the links agree in the base.
         self._pairs = [(joint.parent, joint.child) for joint in self._urdf.joint_map.values() if joint.type in _MOVED]
 
@@ -47,7 +48,7 @@ class IndependentReader:
         """Return the largest difference of a link's placement, over the distance from the link it hangs from."""
         robot = self.robot
         positions = robot.joint_positions(random_state(robot, rng).q)
-        data = robot.scratch.data
+        data = robot.data
         pin.framesForwardKinematics(robot.model, data, robot.configuration(positions))
         angles = {name: value for name, value in positions.items() if isinstance(value, float)}
         with _quiet():
@@ -61,8 +62,8 @@ class IndependentReader:
         return worst
 
 
-def _load(description: Description) -> yourdfpy.URDF:
-    text = io.BytesIO(to_xml(description).encode())
+def _load(description: Description, followers: Mapping[str, Following]) -> yourdfpy.URDF:
+    text = io.BytesIO(to_xml(description, followers).encode())
     with _quiet():
         try:
             return yourdfpy.URDF.load(text, build_scene_graph=True, load_meshes=False, load_collision_meshes=False)

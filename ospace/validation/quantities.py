@@ -61,6 +61,17 @@ class Quantity(NamedTuple):
     in_batch: bool = False
     """Whether it takes results of the batch, which there are for some states only."""
 
+    def coupled(self) -> Quantity | None:
+        """Return the row for a robot whose joints mimic others; None for what does not know these.
+
+        There the composite bodies stand in for PV-OSIMr, and Pinocchio's crba and rnea for its aba.
+        """
+        if self.computed_by.endswith("chain") or self.checked_against == "pin.computeMinverse":
+            return None
+        by = self.computed_by.replace("PV-OSIMr and bodies", "coupled bodies").replace("PV-OSIMr", "coupled bodies")
+        against = self.checked_against.replace("pin.aba", "crba, rnea").replace("PV-OSIMr", "coupled bodies")
+        return self._replace(computed_by=by, checked_against=against)
+
 
 class Way(NamedTuple):
     """A way in to a quantity: the algorithm with what runs it, and its results of a sample."""

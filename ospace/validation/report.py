@@ -150,7 +150,7 @@ def check(
     """
     points = points_of(robot, points)
     rng = np.random.default_rng(seed)
-    table, extremes, findings = AgreementTable(), Extremes(points), [*robot.findings, *of_meshes(robot)]
+    table, extremes, findings = AgreementTable(robot), Extremes(points), [*robot.findings, *of_meshes(robot)]
     reader = _second_reader(robot, findings)
     placed: list[tuple[float, float]] = []
     rows: list[Agreement] = []

@@ -151,7 +151,8 @@ class Sample:
         inertia, S = np.column_stack(diagonal(tuple(run.table("IC").T))), run.table("S")
         inertia[:, 3:] += from_base * inertia[:, :1] * np.square(run.table("r")).sum(axis=1, keepdims=True)
         terms = np.abs(S) * np.sqrt(np.abs(inertia))
-        return float((terms[1:].sum(axis=1) ** 2 / np.diag(self.dense.H)[6:]).max(initial=1.0))
+        inertia_felt = np.diag(self.dense.H)[5 + self.state.robot.links.column[1:]]
+        return float((terms[1:].sum(axis=1) ** 2 / inertia_felt).max(initial=1.0))
 
     @cached_property
     def point_lever(self) -> float:

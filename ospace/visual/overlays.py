@@ -255,7 +255,7 @@ def _z_along(direction: Floats) -> Floats:
 def _mass_centre(state: State) -> Floats:
     """As seen from the base's origin, inertial axes, m."""
     robot = state.robot
-    data = robot.scratch.data
+    data = robot.data
     return np.array(pin.centerOfMass(robot.model, data, state.beside_base()[0]))
 
 

@@ -72,7 +72,7 @@ class RobotGeometry:
 def of_robot(scene: MeshcatScene, root: str, robot: SpaceRobot) -> RobotGeometry:
     """Put a robot into the scene below `root`."""
     model, description, builder = robot.model, robot.description, _GeometryBuilder(scene, {})
-    data = robot.scratch.data
+    data = robot.data
     pin.forwardKinematics(model, data, pin.neutral(model))
     for j in range(1, model.njoints):
         builder.node(f"{root}/joint {component(model.names[j])}" if j > 1 else f"{root}/base", data.oMi[j].homogeneous)

@@ -76,7 +76,7 @@ class _SceneRobot:
 
     def nodes(self, q: Floats) -> Floats:
         """Return position and quaternion of each node (J, 7)."""
-        data = self.robot.scratch.data
+        data = self.robot.data
         pin.forwardKinematics(self.robot.model, data, q)
         return np.array([pin.SE3ToXYZQUAT(data.oMi[j]) for j in range(1, self.robot.model.njoints)])
 

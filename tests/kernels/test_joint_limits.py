@@ -30,7 +30,7 @@ def clamp_and_measure(
     braking=0.8,
 ):
     """Likewise; and by how much the joint is outside its position limits, by itself and as the largest of all."""
-    joints = SimpleNamespace(kind=np.array([0, kind]), first=np.array([0, 7]))
+    joints = SimpleNamespace(kind=np.array([0, kind]), first=np.array([0, 7]), link_of=np.array([1]))
     w = SimpleNamespace(
         q=np.r_[np.zeros(7), angle][:, None], velocity=np.r_[np.zeros(6), rate][:, None],
         generalized_inertia=np.array([[inertia]]),

@@ -39,11 +39,11 @@ def clamp_joints(joints: Joints, w: Work, limits: ProgramLimits, program: Progra
     """Bounds on φ̈; write by how much each joint is outside its position limits (n,), and return the largest."""
     h, farthest = limits.reaction, 0.0
     for j in range(limits.velocity.size):
-        rate, most, v = w.velocity[j + 6, 0], limits.acceleration[j], limits.velocity[j]
+        rate, most, v, i = w.velocity[j + 6, 0], limits.acceleration[j], limits.velocity[j], joints.link_of[j]
         fast, slow = v, -v
         outside[j] = 0.0
-        if joints.kind[j + 1] in (REVOLUTE, PRISMATIC, HELICAL):
-            angle = w.q[joints.first[j + 1], 0]
+        if joints.kind[i] in (REVOLUTE, PRISMATIC, HELICAL):
+            angle = w.q[joints.first[i], 0]
             outside[j] = max(0.0, limits.position[0, j] - angle, angle - limits.position[1, j])
             farthest = max(farthest, outside[j])
         if limits.torque[0, j] == limits.torque[1, j]:
@@ -51,8 +51,8 @@ def clamp_joints(joints: Joints, w: Work, limits: ProgramLimits, program: Progra
             continue
         force = min(limits.torque[1, j], -limits.torque[0, j])
         a = max(min(most, limits.braking * force / w.generalized_inertia[j, j]), 1e-6)
-        if joints.kind[j + 1] in (REVOLUTE, PRISMATIC, HELICAL):
-            angle = w.q[joints.first[j + 1], 0] + 0.5 * h * rate
+        if joints.kind[i] in (REVOLUTE, PRISMATIC, HELICAL):
+            angle = w.q[joints.first[i], 0] + 0.5 * h * rate
             fast = min(v, max(-v, ceiling(limits.position[1, j] - angle, a, h)))
             slow = -min(v, max(-v, ceiling(angle - limits.position[0, j], a, h)))
         low, high = min((slow - rate) / h, a), max((fast - rate) / h, -a)

@@ -17,10 +17,10 @@ from ospace.kernels.workspace import Robot, Work
 @inlined
 def position_error(joints: Joints, q: Table, posture: Floats, t: int, j: int) -> Number:
     """Position error of joint rate `j`, along or about the axis of its column, from `q` to the posture."""
-    i = j + 1
+    i = own = joints.link_of[j]
     while joints.kind[i] == SAME_JOINT:
         i -= 1
-    k, kind, column = joints.first[i], joints.kind[i], j + 1 - i
+    k, kind, column = joints.first[i], joints.kind[i], own - i
     if kind == CONTINUOUS:
         return angle_between(q[k, 0], q[k + 1, 0], posture[t, k], posture[t, k + 1])
     if kind == PLANAR and column == 2:

@@ -1,12 +1,11 @@
-"""Findings on joints: limits, efforts, damping, mimicry, planes."""
+"""Findings on joints: limits, efforts, damping, planes."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 
-from ospace.exceptions import closest
-from ospace.urdf.description import Description, Joint, Limit, Mimic
+from ospace.urdf.description import Description, Joint, Limit
 from ospace.urdf.lint.findings import Finding, make_finding
 
 _LIMITED = ("revolute", "prismatic")
@@ -16,8 +15,8 @@ _ROUNDING = 1e-9
 _UNLIMITED = 1e6  # limits from here on mean "none": degrees are smaller
 
 
-def check_joints(description: Description, *, free_mimic: bool) -> Iterator[Finding]:
-    """Check limits, damping, friction and mimicry of every joint, and the axis of planar ones.
+def check_joints(description: Description) -> Iterator[Finding]:
+    """Check limits, damping and friction of every joint, and the axis of planar ones.
 
     Returns
     -------
@@ -28,8 +27,6 @@ def check_joints(description: Description, *, free_mimic: bool) -> Iterator[Find
             axis = " ".join(f"{x:g}" for x in joint.axis)
             message = f"its axis is {axis}, and Pinocchio's planar joint knows 0 0 1 only"
             yield make_finding("planar-axis", joint.subject, message, line=joint.line)
-        if joint.mimic is not None and joint.kind != "fixed":
-            yield _check_mimic(description, joint, joint.mimic, free_mimic=free_mimic)
         for name, value in (("damping", joint.damping), ("friction", joint.friction)):
             if value < 0.0:
                 message = f"{name} {value:g} is negative"
@@ -76,19 +73,3 @@ def _check_zero(joint: Joint, limit: Limit) -> Iterator[Finding]:
         size = f"{excess:.3g} m" if joint.kind == "prismatic" else f"{excess:.3g} rad ({math.degrees(excess):.3g} deg)"
         message = f"zero lies {size} outside its limits {limit.lower:g} to {limit.upper:g}"
         yield make_finding("zero-outside-limits", joint.subject, message, line=limit.line, value=f"{excess:.6g}")
-
-
-def _check_mimic(description: Description, joint: Joint, mimic: Mimic, *, free_mimic: bool) -> Finding:
-    of = mimic.joint
-    if free_mimic:
-        message = f"mimics '{of}' in the file and is an independent joint here: the coupling is not enforced"
-        remedy = f"Keep to positions in which it follows '{of}', or make the joint fixed."
-        return make_finding("mimic-freed", joint.subject, message, remedy=remedy, line=mimic.line, value=of)
-    if of not in description.joint or of == joint.name:
-        movable = (other.name for other in description.joints if other.kind != "fixed")
-        near = "" if of == joint.name else closest(of, movable)
-        message = f"mimics '{of}', which is not another joint of the file{near}"
-        return make_finding("mimic-unknown", joint.subject, message, line=mimic.line, value=of)
-    return make_finding(
-        "mimic", joint.subject, f"mimics '{of}': the coupling cannot be kept", line=mimic.line, value=of
-    )

@@ -126,13 +126,39 @@ JOINTS_AND_BASE = (
     ),
     Rule(
         name="mimic",
-        severity="error",
-        summary="A joint mimics another.",
-        reason="The recursions know no coupling between joints: a coupled gripper reacts on the base with the "
-        "inertia of "
-        "all its fingers at once, and free fingers do not.",
-        remedy="Make the joint fixed, or take it as independent: --free-mimic, from_urdf(…, free_mimic=True).",
+        severity="info",
+        summary="A joint follows another.",
+        reason="The coupling is kept: both are one degree of freedom, which has the inertia of all that it moves, and "
+        "whose torque is that of the leader. Ratio and offset are those to a leader that follows none itself.",
+        remedy="Nothing; to take it as independent: --free-mimic, from_urdf(…, free_mimic=True).",
         example='<mimic joint="left_finger" multiplier="-1"/>',
+    ),
+    Rule(
+        name="mimic-unfit",
+        severity="error",
+        summary="A joint mimics another that it cannot follow.",
+        reason="A follower needs one position, of a leader with one position. Pinocchio takes it only where the leader "
+        "can be numbered before it, which a leader that hangs from its follower cannot.",
+        remedy="Turn the coupling round: let the other joint mimic this one, by 1/multiplier and −offset/multiplier. "
+        "Or take all as independent: --free-mimic, from_urdf(…, free_mimic=True).",
+        example='<joint name="wheel" type="planar"> with <mimic joint="motor"/>',
+    ),
+    Rule(
+        name="mimic-limits",
+        severity="warning",
+        summary="A joint is beyond its limits while the one that it mimics is within its own.",
+        reason="Position limits of followers are not kept: those of the leader are.",
+        remedy="Narrow the limits of the leader, or widen those of the follower.",
+        example='<limit lower="0" upper="0.02" …/> with <mimic joint="left_finger"/>, which has 0 to 0.04',
+    ),
+    Rule(
+        name="mimic-jump",
+        severity="warning",
+        summary="A joint mimics a continuous one by a multiplier that is not whole.",
+        reason="The angle of a continuous joint is known but for full turns, from −180 to 180 deg: where it passes 180, "
+        "the follower jumps.",
+        remedy='Make the leader "revolute", with limits that are never reached.',
+        example='<mimic joint="a_continuous_joint" multiplier="0.5"/>',
     ),
     Rule(
         name="mimic-freed",
@@ -145,7 +171,7 @@ JOINTS_AND_BASE = (
     Rule(
         name="mimic-unknown",
         severity="error",
-        summary="A joint mimics one that does not exist, or itself.",
+        summary="A joint mimics one that does not exist, or itself, by way of others or not.",
         reason="Where it belongs is not known.",
         remedy="Correct the name, or remove the <mimic>.",
         example='<mimic joint="no_such_joint"/>',
