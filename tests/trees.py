@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from ospace import SpaceRobot, State
+from ospace import OspaceError, SpaceRobot, State
+from ospace.urdf.coupling import Following, couple
 
 
 def _axis(rng: np.random.Generator) -> np.ndarray:
@@ -77,6 +78,32 @@ def tree(seed: int, joints: int, types: tuple[str, ...] | None = None, branching
         model.addBodyFrame(f"link_{k}", j, pin.SE3.Identity(), 0)
     model.armature = np.r_[np.zeros(6), rng.uniform(0.0, 0.1, model.nv - 6)]
     return SpaceRobot.from_model(model)
+
+
+ONE_POSITION = ("revolute", "revolute about any axis", "prismatic", "prismatic along any axis")
+"""Joints that can mimic each other."""
+
+
+def coupled(seed: int, joints: int = 9, followers: int = 3) -> SpaceRobot:
+    """A robot some of whose joints mimic others: before and behind their leaders, on other branches, by ratios like 0.
+
+    Its twin without the couplings is `robot.free`.
+    """
+    rng = np.random.default_rng(seed)
+    robot = tree(seed, joints, (*ONE_POSITION, "planar", *ONE_POSITION))
+    single = [name for name in robot.joint_names if robot.model.joints[robot.joint_number(name)].nq == 1]
+    known: dict[str, Following] = {}
+    for name in rng.permutation(single):
+        leaders = [other for other in single if other not in (name, *known)]
+        if len(known) == followers or not leaders or name in {one.leader for one in known.values()}:
+            continue
+        one = Following(str(rng.choice(leaders)), float(rng.choice([-1.0, 0.5, 2.0, 0.0])), float(rng.normal()))
+        try:
+            couple(robot.model, known | {str(name): one})
+        except OspaceError:
+            continue  # a leader would hang from its follower
+        known[str(name)] = one
+    return SpaceRobot.from_model(couple(robot.model, known))
 
 
 def state(robot: SpaceRobot, seed: int, far: bool = False) -> State:

@@ -205,7 +205,7 @@ def lay_out(robot: Robot, nq: int, lanes: int = 1) -> Floats:
     lists = [*joints[:_UP], nodes.parent, nodes.link, nodes.point]
     lists += [nodes.last_descendant, nodes.of_link, robot.rows, robot.want]
     constants = [*joints[_UP:], nodes.offset, np.eye(even, padded(even))]
-    shapes: list[tuple[int, ...]] = [(len(one), 1) for one in lists] + [one.shape for one in constants]
+    shapes: list[tuple[int, ...]] = [*((len(one), 1) for one in lists), *(one.shape for one in constants)]
     shapes += [tuple(sizes[k] if k in sizes else int(k) for k in shape) for shape in _SHAPES.values()]
     counts = np.array(shapes, dtype=np.int64)
     lengths = counts.prod(axis=1) * np.where(np.arange(TABLES) < _WORK, 1, lanes)

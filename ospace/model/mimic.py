@@ -13,6 +13,7 @@ import numpy as np
 import pinocchio as pin
 
 from ospace.kernels.tree import PRISMATIC, REVOLUTE, Floats, Ints
+from ospace.urdf.coupling import Following, copy_frames, copy_joint_numbers
 
 MIMIC = "JointModelMimic"
 
@@ -66,7 +67,9 @@ class FreeJoints:
     Attributes
     ----------
     model : pin.Model
-        Joints, bodies and their order as in the coupled model; frames and limits are left out.
+        Joints, bodies, frames and their order as in the coupled model.
+    followers : dict of str to Following
+        What couples it again, by `ospace.urdf.coupling.couple`.
     G : (nv_free, nv)
         Rates of the free robot by those of the coupled one.
     order : (nq_free,)
@@ -79,7 +82,6 @@ class FreeJoints:
         self._followed = [(model.idx_qs[one.leader], model.nqs[one.leader], one) for one in couplings.values()]
         order: list[int] = []
         rates: list[Floats] = []
-        armature: list[float] = []
         for j in range(1, model.njoints):
             joint, own = model.joints[j], slice(model.idx_vs[j], model.idx_vs[j] + model.nvs[j])
             if j in couplings:
@@ -88,14 +90,17 @@ class FreeJoints:
                 joint = make(one.axis)
                 order.append(model.nq + list(couplings).index(j))
                 rates.append(one.ratio * np.eye(model.nv)[model.idx_vs[one.leader]])
-                armature.append(0.0)
             else:
                 order += range(model.idx_qs[j], model.idx_qs[j] + model.nqs[j])
                 rates += [*np.eye(model.nv)[own]]
-                armature += [*model.armature[own]]
             self.model.addJoint(model.parents[j], joint, model.jointPlacements[j], model.names[j])
+            copy_joint_numbers(model, j, self.model, j)
             self.model.appendBodyToJoint(j, model.inertias[j], pin.SE3.Identity())
-        self.model.armature = np.array(armature)
+        copy_frames(model, self.model, {j: j for j in range(model.njoints)})
+        self.followers = {
+            str(model.names[j]): Following(str(model.names[one.leader]), one.ratio, one.offset)
+            for j, one in couplings.items()
+        }
         self.G: Floats = np.array(rates)
         self.order: Ints = np.array(order, dtype=np.int64)
 

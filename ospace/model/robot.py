@@ -21,6 +21,7 @@ from ospace.model.layout import BASE_NQ, BASE_NV, Layout
 from ospace.model.points import ROW_NAMES, Axes, OperationalPoint, parse_axes
 from ospace.model.state import State
 from ospace.urdf import reader
+from ospace.urdf.coupling import Following, couple
 from ospace.urdf.description import Description
 from ospace.urdf.errors import UnsoundModelError
 from ospace.urdf.lint import inertia
@@ -309,14 +310,25 @@ class SpaceRobot(Layout):
         return slice(self.model.idx_vs[j] - BASE_NV, self.model.idx_vs[j] + self.model.nvs[j] - BASE_NV)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Copy by laying out a copy of the model: a thread's scratch memory and what is derived stay behind."""
+        """Copy by laying out a copy of the model: a thread's scratch memory and what is derived stay behind.
+
+        Couplings go beside the model of the free joints: Pinocchio loses what they couple when it writes a model.
+        """
         make = functools.partial(
-            type(self), source=self.source, description=self.description, package_dirs=self.package_dirs
+            _coupled, type(self), source=self.source, description=self.description, package_dirs=self.package_dirs
         )
-        return make, (self.model, self.findings)
+        model, followers = (self.model, {}) if self.free is None else (self.free.model, self.free.followers)
+        return make, (model, followers, self.findings)
 
     def __repr__(self) -> str:
         return f"SpaceRobot('{self.name}', nv={self.nv}, total_mass={self.total_mass:.6g} kg)"
+
+
+def _coupled(
+    kind: type[SpaceRobot], model: pin.Model, followers: Mapping[str, Following], *known: Any, **given: Any
+) -> SpaceRobot:
+    """Make a robot of what `SpaceRobot.__reduce__` leaves."""
+    return kind(couple(model, followers) if followers else model, *known, **given)
 
 
 def _check_floating_base(model: pin.Model) -> None:

@@ -99,7 +99,7 @@ class _Robots:
 
     def chaser(self, table: RobotTable) -> _RobotAtStart:
         """Return the chaser and its state at the start."""
-        robot = self._model(table.model, table.path("model"))
+        robot = self._model(table)
         if robot is None:
             return None, None
         positions, wrong = POSITIONS.read(table.joints, robot, table.path("joints"))
@@ -117,7 +117,7 @@ class _Robots:
 
     def target(self, table: TargetTable) -> _RobotAtStart:
         """Return the target and its state at the start."""
-        robot = self._model(table.model, table.path("model")) if table.model else self._body(table.body)
+        robot = self._model(table) if table.model else self._body(table.body)
         if robot is None:
             return None, None
         positions, wrong = POSITIONS.read(table.joints, robot, table.path("joints"))
@@ -128,15 +128,16 @@ class _Robots:
             self.problems.append((table.key, str(error)))
             return None, None
 
-    def _model(self, given: str, key: str) -> SpaceRobot | None:
+    def _model(self, table: RobotTable | TargetTable) -> SpaceRobot | None:
         """Read a file beside the scenario, or a robot that comes with ospace."""
+        given, key = table.model, table.path("model")
         if not given:
             return None
         file = self.folder / given
         try:
             if not os.path.lexists(file) and Path(given).name == given and not Path(given).suffix:
                 file = models.path(given)
-            return SpaceRobot.from_urdf(file)
+            return SpaceRobot.from_urdf(file, free_mimic=table.free_mimic)
         except OspaceError as error:
             self.problems.append((key, str(error)))
             return None

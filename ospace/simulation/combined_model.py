@@ -9,7 +9,8 @@ frame stands at C_b as seen from where the new model has it
 P the placement of a joint in its parent, Z the rotation that brings the z axis to the joint's negative axis: a reversed
 joint moves along or about that, so its position and rate keep their values.
 
-Joints are added depth first: Pinocchio's crba needs every subtree to be numbered without a gap.
+Joints are added depth first: Pinocchio's crba needs every subtree to be numbered without a gap. Those that mimic others
+are added free, and coupled at the end, which may number them anew.
 """
 
 from __future__ import annotations
@@ -22,24 +23,9 @@ import pinocchio as pin
 from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats, Ints
 from ospace.model.layout import Layout
+from ospace.model.mimic import couplings_of
 from ospace.model.robot import SpaceRobot
-
-_PER_VELOCITY = (  # the same limits bear older names too, which come first
-    "effortLimit",
-    "velocityLimit",
-    "friction",
-    "armature",
-    "rotorInertia",
-    "rotorGearRatio",
-    "damping",
-    "lowerDryFrictionLimit",
-    "upperDryFrictionLimit",
-    "lowerEffortLimit",
-    "upperEffortLimit",
-    "lowerVelocityLimit",
-    "upperVelocityLimit",
-)
-_PER_POSITION = ("lowerPositionLimit", "upperPositionLimit", "positionLimitMargin")
+from ospace.urdf.coupling import Following, copy_joint_numbers, couple
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +84,7 @@ def join(first: Layout, at: int, second: Layout, held: int, T_AH: pin.SE3) -> Co
         if j == last:
             builder.hang(held, builder.first_joints[at], T_AH, came_from=0)
     builder.add_frames(at)
+    builder.couple()
     robot = SpaceRobot.from_model(builder.model)
     rows = (
         RowMap.of(one.model, robot.model, joints)
@@ -109,21 +96,23 @@ def join(first: Layout, at: int, second: Layout, held: int, T_AH: pin.SE3) -> Co
 class _Builder:
     def __init__(self, first: Layout, second: Layout) -> None:
         self.first, self.second = first.model, second.model
+        self._robots = first, second
+        self._joints = [(robot.free or robot).model.joints for robot in (first, second)]
         self.prefix = f"{second.name}/"
         self.model = pin.Model()
         self.model.name = f"{first.name}+{second.name}"
         self.first_joints: dict[int, int] = {}
         self.second_joints: dict[int, int] = {}
         self._carriers: dict[int, tuple[int, pin.SE3]] = {}  # of each body of the second: new joint, and C
-        self._axes = _axes(self.second)
+        self._axes = _axes((second.free or second).model)
 
     def add_first(self, j: int) -> None:
         """Add joint `j` of the first robot as it is."""
         model = self.first
         parent = 0 if j == 1 else self.first_joints[model.parents[j]]
-        k = self.model.addJoint(parent, model.joints[j], model.jointPlacements[j], model.names[j])
+        k = self.model.addJoint(parent, self._joints[0][j], model.jointPlacements[j], model.names[j])
         self.model.appendBodyToJoint(k, model.inertias[j], pin.SE3.Identity())
-        self._copy_numbers(model, j, k)
+        copy_joint_numbers(model, j, self.model, k)
         self.first_joints[j] = k
 
     def hang(self, body: int, joint: int, correction: pin.SE3, came_from: int) -> None:
@@ -134,7 +123,7 @@ class _Builder:
         for child in model.children[body]:
             if child != came_from:
                 placement = correction * model.jointPlacements[child]
-                k = self._add_second(child, model.joints[child], joint, placement)
+                k = self._add_second(child, self._joints[1][child], joint, placement)
                 self.hang(child, k, pin.SE3.Identity(), body)
         if body != 1 and model.parents[body] != came_from:
             kind, Z = self._reversed(body)
@@ -145,26 +134,13 @@ class _Builder:
         name = self.second.names[j]
         taken = set(self.first.names)
         k = int(self.model.addJoint(parent, kind, placement, self.prefix + name if name in taken else name))
-        self._copy_numbers(self.second, j, k)
+        copy_joint_numbers(self.second, j, self.model, k)
         self.second_joints[j] = k
         return k
 
-    def _copy_numbers(self, source: pin.Model, j: int, k: int) -> None:
-        """Copy limits, friction and drives of joint `j` to joint `k`."""
-        rows = (source.idx_vs[j], source.idx_qs[j]), (self.model.idx_vs[k], self.model.idx_qs[k])
-        counts = source.nvs[j], source.nqs[j]
-        for which, names in enumerate((_PER_VELOCITY, _PER_POSITION)):
-            for name in names:
-                if hasattr(source, name):
-                    numbers = getattr(self.model, name).copy()
-                    numbers[rows[1][which] :][: counts[which]] = getattr(source, name)[rows[0][which] :][
-                        : counts[which]
-                    ]
-                    setattr(self.model, name, numbers)
-
     def _reversed(self, j: int) -> tuple[pin.JointModel, pin.SE3]:
         """Return the joint from the body of joint `j` to its parent, at the same position and rate; and Z."""
-        kind, (shift, turn) = self.second.joints[j].shortname(), self._axes[j]
+        kind, (shift, turn) = self._joints[1][j].shortname(), self._axes[j]
         if kind.startswith(("JointModelRUB", "JointModelRevoluteUnbounded")):
             return pin.JointModelRUBZ(), _z_to(-turn)
         if kind.startswith("JointModelR"):
@@ -177,6 +153,27 @@ class _Builder:
             f"joint '{self.second.names[j]}' of '{self.second.name}' lies between its base and the link that is "
             f"grasped, and is a {kind[10:]} joint, which cannot be reversed: grasp a link on this side of it"
         )
+
+    def couple(self) -> None:
+        """Let joints of both follow those that they mimic, and note their numbers.
+
+        Raises
+        ------
+        OspaceError
+            A joint of the second robot would hang from one that mimics it.
+        """
+        followers: dict[str, Following] = {}
+        for robot, numbers in zip(self._robots, (self.first_joints, self.second_joints), strict=True):
+            for j, one in couplings_of(robot.model).items():
+                leader = str(self.model.names[numbers[one.leader]])
+                followers[str(self.model.names[numbers[j]])] = Following(leader, one.ratio, one.offset)
+        if not followers:
+            return
+        names = [str(name) for name in self.model.names]
+        self.model = couple(self.model, followers)
+        number = {name: j for j, name in enumerate(self.model.names)}
+        for numbers in (self.first_joints, self.second_joints):
+            numbers.update({j: number[names[k]] for j, k in numbers.items() if k > 1})
 
     def add_frames(self, at: int) -> None:
         """Copy frames of both robots; the second's base frames hang from the link that holds."""

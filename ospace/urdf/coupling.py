@@ -12,6 +12,8 @@ from dataclasses import dataclass
 
 import pinocchio as pin
 
+from ospace.exceptions import OspaceError
+from ospace.kernels.tree import Floats
 from ospace.urdf.description import Description
 from ospace.urdf.joint_axis import joint_axis
 
@@ -31,6 +33,7 @@ _PER_VELOCITY = (  # the same limits bear older names too, which come first
     "upperVelocityLimit",
 )
 _PER_POSITION = ("lowerPositionLimit", "upperPositionLimit", "positionLimitMargin")
+_DRY = ("lowerDryFrictionLimit", "upperDryFrictionLimit")
 _UNBOUNDED = ("JointModelRUB", "JointModelRevoluteUnbounded")
 
 
@@ -76,7 +79,7 @@ def leaders_first(
     without : list of str
         Followers for which there is no such order: the leader hangs from them, or two branches lead each other.
     """
-    before: dict[str, set[str]] = {}
+    before: dict[str, dict[str, str]] = {}  # branches that come before another, and the follower for which they do
     without: list[str] = []
     for name, one in followers.items():
         own, led = _path(name, parent), _path(one.leader, parent)
@@ -84,7 +87,7 @@ def leaders_first(
         if shared == len(own):
             without.append(name)
         elif shared < len(led):
-            before.setdefault(own[shared], set()).add(led[shared])
+            before.setdefault(own[shared], {})[led[shared]] = name
     below: dict[str | None, list[str]] = {}
     for name in names:
         below.setdefault(parent[name], []).append(name)
@@ -104,15 +107,15 @@ def _path(name: str, parent: Mapping[str, str | None]) -> list[str]:
     return path[::-1]
 
 
-def _sorted(siblings: list[str], before: Mapping[str, set[str]], without: list[str]) -> list[str]:
-    """Order branches; one of those that lead each other goes to `without`."""
+def _sorted(siblings: list[str], before: Mapping[str, Mapping[str, str]], without: list[str]) -> list[str]:
+    """Order branches; followers on one of those that lead each other go to `without`."""
     left, order = list(siblings), []
     while left:
-        free = [name for name in left if not before.get(name, set()) & set(left) - {name}]
-        if not free:
-            without.append(left[0])
-        order.append(free[0] if free else left[0])
-        left.remove(order[-1])
+        waits_for = {name: [other for other in before.get(name, ()) if other in left] for name in left}
+        ready = next((name for name in left if not waits_for[name]), left[0])
+        without += [before[ready][other] for other in waits_for[ready]]
+        order.append(ready)
+        left.remove(ready)
     return order
 
 
@@ -124,11 +127,19 @@ def couple(model: pin.Model, followers: Mapping[str, Following]) -> pin.Model:
     model : pin.Model
         With free joints. What damps a follower is felt by its leader: ratio² d, and |ratio| times the dry friction.
     followers : mapping of str to Following
-        By the name of the joint; `leaders_first` has an order for them.
+        By the name of the joint.
+
+    Raises
+    ------
+    OspaceError
+        A leader hangs from its follower.
     """
     names = [str(name) for name in model.names]
     parent = {names[j]: names[model.parents[j]] if model.parents[j] > 1 else None for j in range(2, model.njoints)}
-    order, _ = leaders_first(names[2:], parent, followers)
+    order, without = leaders_first(names[2:], parent, followers)
+    if without:
+        leader = followers[without[0]].leader
+        raise OspaceError(f"joint '{without[0]}' mimics '{leader}', which would hang from it: hold another link")
     old = {name: j for j, name in enumerate(names) if j > 1}
     coupled = pin.Model()
     coupled.name, coupled.gravity = model.name, model.gravity
@@ -142,20 +153,15 @@ def couple(model: pin.Model, followers: Mapping[str, Following]) -> pin.Model:
         number[j] = int(k)
         if joint.nq == model.joints[j].nq:
             copy_joint_numbers(model, j, coupled, k)
-    frame_number = {0: 0}
-    for f, frame in list(enumerate(model.frames))[1:]:
-        up = frame_number[frame.parentFrame]
-        copy = pin.Frame(frame.name, number[frame.parentJoint], up, frame.placement, frame.type)
-        frame_number[f] = int(coupled.addFrame(copy, False))
+    copy_frames(model, coupled, number)
     for name, one in followers.items():
         leader, follower = number[old[one.leader]], number[old[name]]
         coupled = pin.transformJointIntoMimic(coupled, leader, follower, one.ratio, one.offset)
     for name, one in followers.items():
         own, felt = model.idx_vs[old[name]], coupled.idx_vs[number[old[one.leader]]]
         coupled.damping[felt] += one.ratio**2 * model.damping[own]
-        for dry in ("friction", "upperDryFrictionLimit", "lowerDryFrictionLimit"):
-            if hasattr(model, dry):
-                getattr(coupled, dry)[felt] += abs(one.ratio) * getattr(model, dry)[own]
+        for dry in _DRY if hasattr(model, _DRY[0]) else ("friction",):
+            getattr(coupled, dry)[felt] += abs(one.ratio) * getattr(model, dry)[own]
     return coupled
 
 
@@ -164,8 +170,26 @@ def _as_follower(joint: pin.JointModel, leader: pin.JointModel) -> pin.JointMode
     if joint.shortname().startswith("JointModelP"):
         return joint
     if leader.shortname().startswith(_UNBOUNDED):
-        return pin.JointModelRevoluteUnboundedUnaligned(joint_axis(joint))
+        return _unbounded(joint_axis(joint))
     return pin.JointModelRevoluteUnaligned(joint_axis(joint))
+
+
+def _unbounded(axis: Floats) -> pin.JointModel:
+    """Return a joint that Pinocchio's bindings make of text alone."""
+    xyz = " ".join(map(repr, map(float, axis)))
+    return pin.buildModelFromXML(
+        '<robot name="one"><link name="a"/><link name="b"/><joint name="j" type="continuous">'
+        f'<parent link="a"/><child link="b"/><axis xyz="{xyz}"/></joint></robot>'
+    ).joints[1]
+
+
+def copy_frames(source: pin.Model, target: pin.Model, number: Mapping[int, int]) -> None:
+    """Copy all frames of one model to another that has none, where `number` has the joints of both."""
+    frame_number = {0: 0}
+    for f, frame in list(enumerate(source.frames))[1:]:
+        up = frame_number[frame.parentFrame]
+        copy = pin.Frame(frame.name, number[frame.parentJoint], up, frame.placement, frame.type)
+        frame_number[f] = int(target.addFrame(copy, False))
 
 
 def copy_joint_numbers(source: pin.Model, j: int, target: pin.Model, k: int) -> None:

@@ -18,7 +18,6 @@ NQ = {"revolute": 1, "continuous": 2, "prismatic": 1, "planar": 4, "floating": 7
 NV = {"revolute": 1, "continuous": 1, "prismatic": 1, "planar": 3, "floating": 6, "fixed": 0}
 AXES = {"x": (1.0, 0.0, 0.0), "minus_y": (0.0, -1.0, 0.0), "z": (0.0, 0.0, 1.0), "oblique": (1.0, -2.0, 0.5)}
 INERTIAL = '<inertial><mass value="{}"/><inertia ixx="1" iyy="1.2" izz="0.9" ixy="0" ixz="0" iyz="0"/></inertial>'
-MIMIC = '<mimic joint="a_leader"/>'
 LIMIT = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
 ORIGIN_XYZ, ORIGIN_RPY = (0.3, -0.1, 0.2), (0.4, 0.5, -0.6)
 
@@ -166,17 +165,6 @@ def with_inertia(j, mass=1.0, lever=(0.0, 0.0, 0.0), tensor=(1.0, 1.0, 1.0)):
 )
 def test_a_model_without_one_free_flyer_is_refused(model):
     with pytest.raises(ospace.OspaceError, match="free-flying base"):
-        ospace.SpaceRobot.from_model(model)
-
-
-def test_pinocchio_s_mimic_joints_are_refused_by_name():
-    text = (
-        f'<robot name="made">{link("base")}{link("one")}{link("two")}'
-        f"{joint('a_leader', 'revolute', 'one')}"
-        f"{joint('follower', 'revolute', 'two', more=MIMIC)}</robot>"
-    )
-    model = pin.buildModelFromXML(text, pin.JointModelFreeFlyer(), mimic=True)
-    with pytest.raises(ospace.OspaceError, match=r"'follower' is a mimic joint.*mimic=False"):
         ospace.SpaceRobot.from_model(model)
 
 

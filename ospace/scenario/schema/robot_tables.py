@@ -75,6 +75,7 @@ class RobotTable(PoseTable):
     """The chaser."""
 
     model: Text = Field(description="A URDF, relative to the scenario, or a robot that comes with ospace")
+    free_mimic: Flag = Field(False, description="Joints that mimic others are independent of these")
     base: Annotated[
         BaseTable | str,
         Either(
@@ -110,6 +111,7 @@ class TargetTable(PoseTable):
 
     model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": ["model"]}, {"required": ["body"]}]})
     model: Text | None = Field(None, description="A URDF, relative to the scenario, or a model that comes with ospace")
+    free_mimic: Flag = Field(False, description="Joints that mimic others are independent of these")
     body: BodyTable | None = Field(None, description="The numbers of a rigid body, instead of model")
     spin: AngularVelocities = vector_field("About its mass centre, inertial axes")
     velocity: Velocities = vector_field("Of its mass centre, inertial axes")

@@ -73,12 +73,48 @@ MIMIC = robot(
     joint(),
     joint("follow", child="hand", more=AXIS + LIMIT + '<mimic joint="hinge" multiplier="-1"/>'),
 )
-variant("mimic", MIMIC, 1, "mimic")
+variant("mimic", MIMIC, 0, infos=["mimic"])
+variant("mimic of a leader in another branch that comes later", MIMIC.replace('"hinge"', '"zinge"'), 0, infos=["mimic"])
+variant("mimic by nothing", MIMIC.replace('multiplier="-1"', 'multiplier="0" offset="0.2"'), 0, infos=["mimic"])
 variant("mimic that is freed", MIMIC, 0, "mimic-freed", options=["--free-mimic"])
 variant(
     "mimic of a joint that is not there", MIMIC.replace('mimic joint="hinge"', 'mimic joint="hnge"'), 1, "mimic-unknown"
 )
 variant("mimic of itself", MIMIC.replace('mimic joint="hinge"', 'mimic joint="follow"'), 1, "mimic-unknown")
+CHAIN = robot(
+    link("base"),
+    link("arm"),
+    link("hand"),
+    link("finger"),
+    joint(),
+    joint("wrist", parent="arm", child="hand", more=AXIS + LIMIT + '<mimic joint="hinge" multiplier="0.5"/>'),
+    joint("grip", parent="hand", child="finger", more=AXIS + LIMIT + '<mimic joint="wrist" offset="0.1"/>'),
+)
+variant("mimic of a follower", CHAIN, 0, infos=["mimic", "mimic"])
+variant(
+    "mimic beyond its limits", CHAIN.replace('multiplier="0.5"', 'multiplier="2"'), 0, "mimic-limits", "mimic-limits"
+)
+variant("mimic of each other", CHAIN.replace('mimic joint="hinge"', 'mimic joint="grip"'), 1, "mimic-unknown")
+variant(
+    "mimic of a joint that hangs from it",
+    CHAIN.replace('<mimic joint="hinge" multiplier="0.5"/>', "").replace(
+        LIMIT + "</joint>", LIMIT + '<mimic joint="wrist"/></joint>', 1
+    ),
+    1,
+    "mimic-unfit",
+)
+variant(
+    "planar joint that mimics", MIMIC.replace('"follow" type="revolute"', '"follow" type="planar"'), 1, "mimic-unfit"
+)
+CONTINUOUS = MIMIC.replace('"hinge" type="revolute"', '"hinge" type="continuous"')
+variant("mimic of a continuous joint", CONTINUOUS, 0, infos=["mimic"])
+variant("mimic of half a continuous joint", CONTINUOUS.replace('"-1"/></joint>', '"0.5"/></joint>'), 0, "mimic-jump")
+variant(
+    "slider that mimics a continuous joint",
+    CONTINUOUS.replace('"follow" type="revolute"', '"follow" type="prismatic"'),
+    1,
+    "mimic-unfit",
+)
 variant("mimic without number", MIMIC.replace('"-1"/></joint>', '"x"/></joint>'), 1, "number-unreadable", "mimic")
 variant(
     "world with a fixed base",

@@ -155,8 +155,8 @@ JOINTS_AND_BASE = (
         name="mimic-jump",
         severity="warning",
         summary="A joint mimics a continuous one by a multiplier that is not whole.",
-        reason="The angle of a continuous joint is known but for full turns, from −180 to 180 deg: where it passes 180, "
-        "the follower jumps.",
+        reason="The angle of a continuous joint is known but for full turns, from −180 to 180 deg: where it passes "
+        "180 deg, the follower jumps.",
         remedy='Make the leader "revolute", with limits that are never reached.',
         example='<mimic joint="a_continuous_joint" multiplier="0.5"/>',
     ),
