@@ -155,13 +155,13 @@ def couple(model: pin.Model, followers: Mapping[str, Following]) -> pin.Model:
             copy_joint_numbers(model, j, coupled, k)
     copy_frames(model, coupled, number)
     for name, one in followers.items():
-        leader, follower = number[old[one.leader]], number[old[name]]
-        coupled = pin.transformJointIntoMimic(coupled, leader, follower, one.ratio, one.offset)
+        pair = number[old[one.leader]], number[old[name]]
+        coupled = pin.transformJointIntoMimic(coupled, *pair, one.ratio, one.offset)
     for name, one in followers.items():
         own, felt = model.idx_vs[old[name]], coupled.idx_vs[number[old[one.leader]]]
         coupled.damping[felt] += one.ratio**2 * model.damping[own]
-        for dry in _DRY if hasattr(model, _DRY[0]) else ("friction",):
-            getattr(coupled, dry)[felt] += abs(one.ratio) * getattr(model, dry)[own]
+        for friction in _DRY if hasattr(model, _DRY[0]) else ("friction",):
+            getattr(coupled, friction)[felt] += abs(one.ratio) * getattr(model, friction)[own]
     return coupled
 
 

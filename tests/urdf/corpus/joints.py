@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from urdf.corpus.parts import ARM, AXIS, LIMIT, joint, link, robot, variant
+from urdf.corpus.parts import ARM, AXIS, HAND, LIMIT, joint, link, robot, variant
 
 for kind in ("ball", "Revolute", "", "hinge", "spherical"):
     variant(f"type {kind!r}", ARM.replace('"revolute"', f'"{kind}"'), 1, "joint-type")
@@ -90,32 +90,28 @@ CHAIN = robot(
     joint("wrist", parent="arm", child="hand", more=AXIS + LIMIT + '<mimic joint="hinge" multiplier="0.5"/>'),
     joint("grip", parent="hand", child="finger", more=AXIS + LIMIT + '<mimic joint="wrist" offset="0.1"/>'),
 )
-variant("mimic of a follower", CHAIN, 0, infos=["mimic", "mimic"])
-variant(
-    "mimic beyond its limits", CHAIN.replace('multiplier="0.5"', 'multiplier="2"'), 0, "mimic-limits", "mimic-limits"
-)
+variant("mimic of a follower", CHAIN, 0, infos=["mimic"])
+variant("mimic beyond its limits", CHAIN.replace('offset="0.1"', 'offset="0.6"'), 0, "mimic-limits", infos=["mimic"])
+variant("mimic just within its limits", CHAIN.replace('offset="0.1"', 'offset="0.5"'), 0, infos=["mimic"])
 variant("mimic of each other", CHAIN.replace('mimic joint="hinge"', 'mimic joint="grip"'), 1, "mimic-unknown")
 variant(
     "mimic of a joint that hangs from it",
-    CHAIN.replace('<mimic joint="hinge" multiplier="0.5"/>', "").replace(
-        LIMIT + "</joint>", LIMIT + '<mimic joint="wrist"/></joint>', 1
-    ),
+    robot(link("base"), link("arm"), link("hand"), joint(more=AXIS + LIMIT + '<mimic joint="wrist"/>'), HAND),
     1,
     "mimic-unfit",
 )
-variant(
-    "planar joint that mimics", MIMIC.replace('"follow" type="revolute"', '"follow" type="planar"'), 1, "mimic-unfit"
-)
+FLOATING = MIMIC.replace('"follow" type="revolute"', '"follow" type="floating"')
+variant("floating joint that mimics", FLOATING, 1, "mimic-unfit", "value-not-used")
 CONTINUOUS = MIMIC.replace('"hinge" type="revolute"', '"hinge" type="continuous"')
+CONTINUOUS = CONTINUOUS.replace('lower="-1" upper="1" ', "", 1)
 variant("mimic of a continuous joint", CONTINUOUS, 0, infos=["mimic"])
-variant("mimic of half a continuous joint", CONTINUOUS.replace('"-1"/></joint>', '"0.5"/></joint>'), 0, "mimic-jump")
+HALF = CONTINUOUS.replace('"-1"/></joint>', '"0.5"/></joint>')
+variant("mimic of half a continuous joint", HALF, 0, "mimic-jump", infos=["mimic"])
+SLIDER = CONTINUOUS.replace('"follow" type="revolute"', '"follow" type="prismatic"')
+variant("slider that mimics a continuous joint", SLIDER, 1, "mimic-unfit")
 variant(
-    "slider that mimics a continuous joint",
-    CONTINUOUS.replace('"follow" type="revolute"', '"follow" type="prismatic"'),
-    1,
-    "mimic-unfit",
+    "mimic without number", MIMIC.replace('"-1"/></joint>', '"x"/></joint>'), 1, "number-unreadable", infos=["mimic"]
 )
-variant("mimic without number", MIMIC.replace('"-1"/></joint>', '"x"/></joint>'), 1, "number-unreadable", "mimic")
 variant(
     "world with a fixed base",
     robot('<link name="world"/>', link("base"), joint("weld", "fixed", "world", "base", "")),
