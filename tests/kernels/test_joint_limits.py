@@ -154,7 +154,11 @@ def test_a_joint_without_a_drive_has_no_bounds():
 
 def test_each_joint_is_clamped_by_its_own_numbers():
     """A revolute joint near its limit, a continuous one, which has two numbers in q, and one outside its limits."""
-    joints = SimpleNamespace(kind=np.array([REVOLUTE, REVOLUTE, CONTINUOUS, REVOLUTE]), first=np.array([0, 7, 8, 10]))
+    joints = SimpleNamespace(
+        kind=np.array([REVOLUTE, REVOLUTE, CONTINUOUS, REVOLUTE]),
+        first=np.array([0, 7, 8, 10]),
+        link_of=np.arange(1, 4),
+    )
     w = SimpleNamespace(
         q=np.r_[np.zeros(7), -0.987, -3.0, 4.0, 1.02][:, None],
         velocity=np.r_[np.zeros(6), -0.195, 0.998, -0.1][:, None],
