@@ -135,8 +135,14 @@ def prepare(robot: SpaceRobot, largest: int | None = None, generate_from: Path |
     Raises
     ------
     OspaceError
-        The robot has fewer moving links than `largest`, or none; or the two ways do not give the same numbers.
+        The robot has fewer moving links than `largest`, or none; joints of it mimic others; or the two ways do not give
+        the same numbers.
     """
+    if robot.free is not None:
+        raise OspaceError(
+            f"joints of robot '{robot.name}' mimic others, and Pinocchio's fast algorithms know none of these: "
+            f"compare them as independent joints (--free-mimic)"
+        )
     movable = robot.model.njoints - 2
     most = min(largest or POINTS[-1], movable)
     if movable == 0 or (largest is not None and largest > movable):

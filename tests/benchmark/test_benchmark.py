@@ -71,6 +71,11 @@ def test_more_points_than_links(chaser):
         report.prepare(chaser, 19)
 
 
+def test_a_robot_whose_joints_mimic_others_is_not_compared():
+    with pytest.raises(ospace.OspaceError, match="mimic others, and Pinocchio's.*--free-mimic"):
+        report.prepare(trees.coupled(0))
+
+
 def test_windows_take_turns():
     calls = []
     ways = [lambda q, v, k=k: calls.append(k) for k in range(2)]
