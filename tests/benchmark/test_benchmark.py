@@ -72,7 +72,7 @@ def test_more_points_than_links(chaser):
 
 
 def test_a_robot_whose_joints_mimic_others_is_not_compared():
-    with pytest.raises(ospace.OspaceError, match="mimic others, and Pinocchio's.*--free-mimic"):
+    with pytest.raises(ospace.OspaceError, match=r"mimic others, and Pinocchio's.*--free-mimic"):
         report.prepare(trees.coupled(0))
 
 
