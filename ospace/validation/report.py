@@ -126,8 +126,9 @@ def model_facts(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> ModelF
 def _kind(joint: pin.JointModel) -> str:
     """Name of a joint's type as URDF calls it."""
     name = joint.shortname().removeprefix("JointModel")
-    if name in ("Planar", "FreeFlyer"):
-        return {"Planar": "planar", "FreeFlyer": "floating"}[name]
+    known = {"Planar": "planar", "FreeFlyer": "floating", "Mimic": "mimic"}
+    if name in known:
+        return known[name]
     if joint.nq == 2 and joint.nv == 1:
         return "continuous"
     return "prismatic" if name.startswith("P") else "revolute" if name.startswith("R") else name
