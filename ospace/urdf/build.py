@@ -17,8 +17,9 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 import pinocchio as pin
 
+from ospace.kernels.tree import Floats
 from ospace.urdf.coupling import Following
-from ospace.urdf.description import Description, Inertial, Joint, Link, Pose
+from ospace.urdf.description import Description, Inertial, Joint, Link, Pose, Triple
 from ospace.urdf.errors import UrdfError
 from ospace.urdf.lint.findings import Finding, make_finding
 
@@ -45,6 +46,9 @@ def build(path: Path, description: Description) -> tuple[pin.Model, list[Finding
     model, errors = _parsed(to_xml(description), _unused_name(description))
     if model is None:
         raise UrdfError(path, f"Pinocchio rejects it: {'; '.join(errors)}", "rejected")
+    for joint in description.joints:
+        if joint.kind == "planar":
+            _turn_plane(model, list(model.names).index(joint.name, 2), plane_axes(joint.axis))
     return model, [make_finding("parser-error", "file", f"Pinocchio's parser says: {error}") for error in errors]
 
 
@@ -91,6 +95,36 @@ def _parsed(xml: str, base: str | None) -> tuple[pin.Model | None, list[str]]:
     ):
         limits[np.abs(limits) == _LARGEST] *= np.inf
     return model, errors
+
+
+def plane_axes(normal: Triple) -> Floats:
+    """Return the directions along which a planar joint moves, and its normal, as columns in the joint's frame.
+
+    Of the axes x, y, z, cyclic, the one after that nearest to the normal becomes the first direction, as far as it lies
+    in the plane: y and z of a plane across x, z and x across y, x and y across z.
+
+    Returns
+    -------
+    (3, 3)
+        A rotation.
+    """
+    z = np.array(normal)
+    x = np.eye(3)[(int(np.argmax(np.abs(z))) + 1) % 3]
+    x = x - (x @ z) * z
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(z, x), z])
+
+
+def _turn_plane(model: pin.Model, j: int, axes: Floats) -> None:
+    """Turn the frame of planar joint `j` to `axes`, and what it carries back: Pinocchio's moves in its x-y plane."""
+    turn = pin.SE3(axes, np.zeros(3))
+    model.jointPlacements[j] = model.jointPlacements[j] * turn
+    model.inertias[j] = turn.actInv(model.inertias[j])
+    for child in model.children[j]:
+        model.jointPlacements[child] = turn.actInv(model.jointPlacements[child])
+    for frame in model.frames:
+        if frame.parentJoint == j:
+            frame.placement = turn.actInv(frame.placement)
 
 
 def to_xml(description: Description, followers: Mapping[str, Following] = MappingProxyType({})) -> str:

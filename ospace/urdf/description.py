@@ -62,6 +62,11 @@ class Link:
         """Return the name that findings use."""
         return f"link '{self.name}'"
 
+    @property
+    def weightless(self) -> bool:
+        """Return whether the link has no <inertial>, or one of zeros alone."""
+        return self.inertial is None or not (self.inertial.mass or any(self.inertial.tensor))
+
 
 @dataclass(frozen=True)
 class Limit:

@@ -7,7 +7,7 @@ file as it stands, which sees what the first cannot: what was lost before.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -41,6 +41,7 @@ _REJECTED = {
     "unknown-version",
     "number-spaces",
     "number-unreadable",
+    "limits-none",
 }
 """Findings which say that Pinocchio does not read the file."""
 
@@ -61,7 +62,7 @@ def check_built(path: Path, bodies: Sequence[Body], model: pin.Model) -> None:
     UrdfError
         They differ: the model is not what the file says.
     """
-    difference = next(_differences(bodies, model), None)
+    difference = next(_differences(bodies, model, planes_turned=True), None)
     if difference is not None:
         reason = f"Pinocchio's model is not what the file says: {difference.message}; please report it"
         raise UrdfError(path, reason, "parity")
@@ -92,7 +93,8 @@ def check_original(
             yield make_finding("original-rejected", "file", f"Pinocchio's parser rejects the file: {stderr}")
         return
     explained = {finding.subject for finding in known if finding.code in _EXPLAINED}
-    for difference in _differences(bodies, model):
+    unlimited = {finding.subject for finding in known if finding.code == "limits-none"}
+    for difference in _differences(bodies, model, planes_turned=False, unlimited=unlimited):
         if not difference.subjects & explained:
             message = f"Pinocchio's own reading of the file differs: {difference.message}"
             yield make_finding(
@@ -101,7 +103,24 @@ def check_original(
             return
 
 
-def _differences(bodies: Sequence[Body], model: pin.Model) -> Iterator[_Difference]:
+def _differences(
+    bodies: Sequence[Body], model: pin.Model, *, planes_turned: bool, unlimited: Set[str] = frozenset()
+) -> Iterator[_Difference]:
+    """Compare all bodies, each in the frame of the link that its joint carries.
+
+    Parameters
+    ----------
+    bodies : sequence of Body
+    model : pin.Model
+    planes_turned : bool
+        Whether planar joints move across their axis; Pinocchio's own parser ignores it, and takes z.
+    unlimited : set of str
+        Joints of which ospace reads some limits as none.
+
+    Returns
+    -------
+    iterator of _Difference
+    """
     every = frozenset(subject for body in bodies for subject in _subjects(body))
     if model.njoints != len(bodies) + 1:
         yield _Difference(f"{model.njoints - 2} joints instead of {len(bodies) - 1}", every)
@@ -114,19 +133,30 @@ def _differences(bodies: Sequence[Body], model: pin.Model) -> Iterator[_Differen
     total = sum(inertia.mass for inertia in model.inertias)
     if not _near(mass, total, sum(abs(body.mass) for body in bodies)):
         yield _Difference(f"total mass {total:.12g} kg instead of {mass:.12g} kg", every)
+    turns: dict[str, pin.SE3] = {}
     for body, name in zip(bodies, at, strict=True):
         subjects = frozenset(_subjects(body))
+        frame = frames.get(_as_xml(body.link.name))
+        turns[name] = turn = pin.SE3.Identity() if frame is None else frame.placement
         if name not in number:
             yield _Difference(f"no joint '{name}'", subjects)
             continue
         j = number[name]
-        for message in (*_compare_body(body, model.inertias[j]), *_compare_links(body, j, frames)):
+        for message in (*_compare_body(body, turn.actInv(model.inertias[j])), *_compare_links(body, j, turn, frames)):
             yield _Difference(message, subjects)
+        of_joint = [*_compare_turn(body, turn)]
         if body.joint is not None:
             if model.parents[j] != number[at[body.parent]]:
                 yield _Difference(f"{body.joint.subject} hangs from '{names[model.parents[j]]}'", subjects)
-            for message in (*_compare_placement(body, model.jointPlacements[j]), *_compare_joint(body.joint, model, j)):
-                yield _Difference(message, subjects)
+            of_joint += _compare_placement(body, turns[at[body.parent]].actInv(model.jointPlacements[j] * turn))
+            of_joint += _compare_type(body.joint, model, j)
+            if not of_joint and body.joint.kind == "planar" and planes_turned:
+                of_joint += _compare_axis(body.joint, turn.rotation[2])
+            elif not of_joint and body.joint.kind not in ("planar", "floating"):
+                of_joint += _compare_axis(body.joint, joint_axis(model.joints[j]))
+                of_joint += _compare_numbers(body.joint, model, j, none_allowed=body.joint.subject in unlimited)
+        for message in of_joint:
+            yield _Difference(message, subjects)
 
 
 def _subjects(body: Body) -> Iterator[str]:
@@ -150,15 +180,15 @@ def _compare_body(body: Body, inertia: pin.Inertia) -> Iterator[str]:
         yield f"inertia {inertia.inertia.tolist()} of {body.subject} instead of {body.tensor.tolist()}"
 
 
-def _compare_links(body: Body, j: int, frames: Mapping[str, pin.Frame]) -> Iterator[str]:
+def _compare_links(body: Body, j: int, turn: pin.SE3, frames: Mapping[str, pin.Frame]) -> Iterator[str]:
     for name, (rotation, translation) in body.placed.items():
         frame = frames.get(_as_xml(name))
         if frame is None:
             yield f"no link '{name}'"
         elif frame.parentJoint != j:
             yield f"link '{name}' hangs from another joint"
-        elif not _same_place(rotation, translation, frame.placement):
-            yield f"link '{name}' lies at {_written(frame.placement)} instead of {translation}, {rotation.tolist()}"
+        elif not _same_place(rotation, translation, placed := turn.actInv(frame.placement)):
+            yield f"link '{name}' lies at {_written(placed)} instead of {translation}, {rotation.tolist()}"
 
 
 def _compare_placement(body: Body, placed: pin.SE3) -> Iterator[str]:
@@ -167,16 +197,25 @@ def _compare_placement(body: Body, placed: pin.SE3) -> Iterator[str]:
         yield f"joint of {body.subject} lies at {_written(placed)} instead of {expected}"
 
 
-def _compare_joint(joint: Joint, model: pin.Model, j: int) -> Iterator[str]:
+def _compare_turn(body: Body, turn: pin.SE3) -> Iterator[str]:
+    """Only a planar joint may have its link in other axes than its own, and none at another place."""
+    turned = body.joint is not None and body.joint.kind == "planar"
+    if not _same_place(turn.rotation if turned else np.eye(3), np.zeros(3), turn):
+        yield f"link '{body.link.name}' lies at {_written(turn)} of its joint"
+
+
+def _compare_type(joint: Joint, model: pin.Model, j: int) -> Iterator[str]:
     kind = model.joints[j].shortname().removeprefix("JointModel")
     if kind not in _TYPES[joint.kind]:
         yield f"{joint.subject} is of type {kind} instead of {joint.kind}"
-        return
-    if joint.kind in ("planar", "floating"):
-        return
-    axis = joint_axis(model.joints[j])
+
+
+def _compare_axis(joint: Joint, axis: Floats) -> Iterator[str]:
     if not _near(np.array(joint.axis), axis, 1.0):
         yield f"axis {axis} of {joint.subject} instead of {joint.axis}"
+
+
+def _compare_numbers(joint: Joint, model: pin.Model, j: int, *, none_allowed: bool) -> Iterator[str]:
     q, v = model.idx_qs[j], model.idx_vs[j]
     limit = joint.limit
     effort, velocity = (math.inf, math.inf) if limit is None else (limit.effort, limit.velocity)
@@ -186,7 +225,7 @@ def _compare_joint(joint: Joint, model: pin.Model, j: int) -> Iterator[str]:
         expected |= {"lower": (model.lowerPositionLimit[q], lower), "upper": (model.upperPositionLimit[q], upper)}
     expected |= {"damping": (model.damping[v], joint.damping), "friction": (model.friction[v], joint.friction)}
     for name, (actual, value) in expected.items():
-        if actual != value:
+        if actual != value and not (none_allowed and math.isinf(value)):
             yield f"{name} {actual} of {joint.subject} instead of {value}"
 
 

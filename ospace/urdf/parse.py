@@ -18,6 +18,7 @@ from ospace.urdf.description import ZERO, Colour, Description, Inertial, Joint, 
 from ospace.urdf.lint.findings import Finding, make_finding
 from ospace.urdf.lint.foreign import describe_dynamics, is_dynamics_name
 from ospace.urdf.lint.rules import Severity
+from ospace.urdf.no_limit import NEVER_REACHED, POSITION, stands_for_none
 from ospace.urdf.numbers import (
     LARGEST,
     LIGHTEST,
@@ -35,6 +36,7 @@ KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 TOO_SHORT, OFF_UNIT = 1e-6, 1e-3
 """Length of an axis or quaternion below which it has no direction, and how far from one it may be without a word."""
 TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+LIMITS = {"lower": -math.inf, "upper": math.inf, "effort": math.inf, "velocity": math.inf}
 _TRANSPOSED = {"iyx": "ixy", "izx": "ixz", "izy": "iyz"}
 _SYMMETRIC = 1e-6  # of the tensor's largest number: products may differ by that much in digits that were lost
 _VERSIONS = ("1.0", "1.1", "1.2")
@@ -296,11 +298,19 @@ class _Parser:
         if kind in ("floating", "planar"):
             self._report("value-not-used", f"<limit> of a {kind} joint is not used", limit)
             return None
-        lower, upper = self._scalar(limit, "lower", 0.0), self._scalar(limit, "upper", 0.0)
+        none = [key for key in LIMITS if key in limit.attrib and stands_for_none(limit.get(key, ""), key, kind)]
+        if none:
+            text = ", ".join(f"{key}='{limit.get(key)}'" for key in none)
+            message = f"{text} of <limit> {'stands' if len(none) == 1 else 'stand'} for no limit, read as unlimited"
+            self._report("limits-none", message, limit, limit.get(none[0]))
+        lower, upper, effort, velocity = (
+            default if key in none else self._scalar(limit, key, 0.0 if key in POSITION else default)
+            for key, default in LIMITS.items()
+        )
         unused = [key for key in ("acceleration", "deceleration", "jerk") if key in limit.attrib]
         if kind == "continuous":
-            if (lower, upper) != (0.0, 0.0):  # which exporters write for none
-                unused += [key for key in ("lower", "upper") if key in limit.attrib]
+            if any(0.0 < abs(limit) < NEVER_REACHED for limit in (lower, upper)):  # exporters write zero for none
+                unused += [key for key in POSITION if key in limit.attrib and key not in none]
             lower, upper = -math.inf, math.inf
         if unused:
             message = f"{', '.join(unused)} of <limit> {'is' if len(unused) == 1 else 'are'} not used"
@@ -308,7 +318,6 @@ class _Parser:
         missing = [key for key in ("effort", "velocity") if key not in limit.attrib]
         if missing:
             self._report("effort-missing", f"<limit> has no {' and no '.join(missing)}, read as unlimited", limit)
-        effort, velocity = (self._scalar(limit, key, math.inf) for key in ("effort", "velocity"))
         return Limit(line_of(limit), *map(_or_none, (lower, upper, effort, velocity)))
 
     def _dynamics(self, joint: etree._Element, kind: str) -> tuple[float, float]:
@@ -420,9 +429,7 @@ class _Parser:
     def _unreadable(self, element: etree._Element, key: str, text: str, error: NumberError) -> None:
         out_of_range = isinstance(error, RangeError) and self.code != "visual-unreadable"
         code = "number-range" if out_of_range else self.code
-        boundless = _tag(element) == "limit" and text.strip().lower().lstrip("+-") in ("inf", "infinity")
-        hint = "; for no limit write a number that is never reached, such as 1e9" if boundless else ""
-        self._report(code, f"{key}='{text}' of <{_tag(element)}> {error}{hint}", element, text)
+        self._report(code, f"{key}='{text}' of <{_tag(element)}> {error}", element, text)
 
     # -- what is not read ------------------------------------------------------------------------------------
 

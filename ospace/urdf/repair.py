@@ -22,8 +22,9 @@ from ospace.exceptions import OspaceError, printable
 from ospace.kernels.tree import Floats
 from ospace.urdf import reader, source
 from ospace.urdf.lint.inertia import ROUNDED, classify_tensor
+from ospace.urdf.no_limit import stands_for_none
 from ospace.urdf.numbers import NumberError, has_space_around, numbers, without_space_around, words
-from ospace.urdf.parse import OFF_UNIT, SCHEMA, TENSOR, TOO_SHORT, has_quaternions
+from ospace.urdf.parse import LIMITS, OFF_UNIT, SCHEMA, TENSOR, TOO_SHORT, has_quaternions
 from ospace.urdf.source import Limits, line_of
 
 _UNLIMITED = "1e9"  # no robot gets there, and every reader can read it
@@ -171,6 +172,11 @@ def _limits(root: etree._Element) -> Iterator[tuple[_Edit, Change]]:
             text = f'<limit {ends}effort="{_UNLIMITED}" velocity="{_UNLIMITED}"/>'
             yield _Edit(joint, {}, text), _change("limits-missing", joint, f"gets {text}")
         if limit is not None and kind in ("revolute", "prismatic", "continuous"):
+            none = {key: limit.get(key, "") for key in LIMITS if stands_for_none(limit.get(key, ""), key, kind)}
+            if none:
+                written = {key: f"-{_UNLIMITED}" if key == "lower" else _UNLIMITED for key in none}
+                what = ", ".join(f"{key} '{none[key]}' becomes '{text}'" for key, text in written.items())
+                yield _Edit(limit, written), _change("limits-none", limit, what)
             missing = [key for key in ("effort", "velocity") if key not in limit.attrib]
             if missing:
                 what = " and ".join(f'{key}="{_UNLIMITED}"' for key in missing)

@@ -119,7 +119,7 @@ def with_floating_base(description: Description) -> tuple[Description, list[Find
             ground.add(joint.child)
         elif joint.parent in ground:
             leaving.append(joint)
-    massless = all(description.link[name].inertial is None for name in ground)
+    massless = all(description.link[name].weightless for name in ground)
     if massless and [joint.kind for joint in leaving] == ["floating"]:
         (floating,) = leaving
         message = f"floats on the massless root {root.subject}: taken as the base's own six degrees of freedom"

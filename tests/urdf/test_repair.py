@@ -113,6 +113,14 @@ def test_missing_effort_and_velocity_are_added(tmp_path):
     assert b'<limit lower="-1" upper="1" effort="1e9" velocity="1e9"  />' in content
 
 
+def test_limits_that_mean_none_become_numbers_that_are_never_reached(tmp_path):
+    content = ARM.replace(LIMIT, '<limit lower="-inf" upper="1" effort=" -1" velocity="999999"/>')
+    content, changes, reading = fixed(tmp_path, content)
+    assert [change.code for change in changes][-1] == "limits-none"
+    assert b'<limit lower="-1e9" upper="1" effort="1e9" velocity="1e9"/>' in content
+    assert reading.findings == ()
+
+
 def test_a_byte_order_mark_shifts_nothing(tmp_path):
     plain = fixed(tmp_path, ODD)[0]
     (tmp_path / "out.urdf").unlink()

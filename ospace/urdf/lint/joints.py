@@ -5,14 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from ospace.urdf.build import plane_axes
 from ospace.urdf.description import Description, Joint, Limit
 from ospace.urdf.lint.findings import Finding, make_finding
+from ospace.urdf.no_limit import NEVER_REACHED
 
 _LIMITED = ("revolute", "prismatic")
 _TWO_TURNS = 4.0 * math.pi
+_DEGREES, _TEN_TURNS = 0.5, 3600.0  # deg: what limits are rounded to, and beyond which none lie
 _LONG = 100.0  # m: longer than any prismatic joint
 _ROUNDING = 1e-9
-_UNLIMITED = 1e6  # limits from here on mean "none": degrees are smaller
 
 
 def check_joints(description: Description) -> Iterator[Finding]:
@@ -23,9 +25,9 @@ def check_joints(description: Description) -> Iterator[Finding]:
     iterator of Finding
     """
     for joint in description.joints:
-        if joint.kind == "planar" and math.dist(joint.axis, (0.0, 0.0, 1.0)) > _ROUNDING:
-            axis = " ".join(f"{x:g}" for x in joint.axis)
-            message = f"its axis is {axis}, and Pinocchio's planar joint knows 0 0 1 only"
+        if joint.kind == "planar" and any(joint.axis) and math.dist(joint.axis, (0.0, 0.0, 1.0)) > _ROUNDING:
+            x, y, axis = (" ".join(f"{value:.4g}" for value in column + 0.0) for column in plane_axes(joint.axis).T)
+            message = f"its plane is normal to {axis}: its coordinates x and y are along {x} and {y}"
             yield make_finding("planar-axis", joint.subject, message, line=joint.line)
         for name, value in (("damping", joint.damping), ("friction", joint.friction)):
             if value < 0.0:
@@ -51,10 +53,10 @@ def _check_limits(joint: Joint) -> Iterator[Finding]:
         message = f"limits {text} leave no room to move"
         yield make_finding("limits-zero", joint.subject, message, line=limit.line, value=text)
     yield from _check_zero(joint, limit)
-    if joint.kind == "revolute" and any(_TWO_TURNS < abs(x) < _UNLIMITED for x in (limit.lower, limit.upper)):
+    if joint.kind == "revolute" and _in_degrees(limit):
         message = f"limits {text} rad are more than two turns from zero: are they in degrees?"
         yield make_finding("units-angle", joint.subject, message, line=limit.line, value=text)
-    if joint.kind == "prismatic" and any(_LONG < abs(x) < _UNLIMITED for x in (limit.lower, limit.upper)):
+    if joint.kind == "prismatic" and any(_LONG < abs(x) < NEVER_REACHED for x in (limit.lower, limit.upper)):
         message = f"limits {text} m are more than {_LONG:g} m from zero: are they in millimetres?"
         yield make_finding("units-length", joint.subject, message, line=limit.line, value=text)
     sizes = {"effort": limit.effort, "velocity": limit.velocity}
@@ -65,6 +67,13 @@ def _check_limits(joint: Joint) -> Iterator[Finding]:
         if named:
             drive = ": the joint has no drive" if code == "effort-zero" and "effort" in named else ""
             yield make_finding(code, joint.subject, f"limit of {' and '.join(named)} {what}{drive}", line=limit.line)
+
+
+def _in_degrees(limit: Limit) -> bool:
+    """Return whether limits are farther from zero than two turns in rad, and round numbers of degrees."""
+    ends = [abs(x) for x in (limit.lower, limit.upper) if math.isfinite(x)]
+    round_degrees = all(abs(math.remainder(x, _DEGREES)) <= _ROUNDING * x and x <= _TEN_TURNS for x in ends)
+    return round_degrees and any(x > _TWO_TURNS for x in ends)
 
 
 def _check_zero(joint: Joint, limit: Limit) -> Iterator[Finding]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from urdf.corpus.parts import ARM, AXIS, HAND, LIMIT, joint, link, robot, variant
+from urdf.corpus.parts import ARM, AXIS, HAND, LIMIT, inertial, joint, link, robot, variant
 
 for kind in ("ball", "Revolute", "", "hinge", "spherical"):
     variant(f"type {kind!r}", ARM.replace('"revolute"', f'"{kind}"'), 1, "joint-type")
@@ -23,8 +23,11 @@ for kind in ("revolute", "continuous", "prismatic"):
 FLAT, FREED = (ARM.replace('"revolute"', f'"{kind}"').replace(LIMIT, "") for kind in ("planar", "floating"))
 variant("planar about z", FLAT.replace("0 1 0", "0 0 1"), 0)
 variant("planar about z, rounded", FLAT.replace("0 1 0", "1e-12 0 1"), 0)
-variant("planar about y", FLAT, 1, "planar-axis")
-variant("planar without axis", FLAT.replace(AXIS, ""), 1, "planar-axis")
+variant("planar about y", FLAT, 0, infos=["planar-axis"])
+variant("planar without axis", FLAT.replace(AXIS, ""), 0, infos=["planar-axis"])
+variant("planar about -z", FLAT.replace("0 1 0", "0 0 -1"), 0, infos=["planar-axis"])
+variant("planar about no direction", FLAT.replace("0 1 0", "0 0 0"), 1, "axis-zero")
+variant("planar about a long axis", FLAT.replace("0 1 0", "1 2 2"), 0, "axis-not-unit", infos=["planar-axis"])
 variant("floating between bodies", FREED, 0)
 for name, content in {"planar": FLAT.replace("0 1 0", "0 0 1"), "floating": FREED}.items():
     variant(f"{name} with limits", content.replace("</joint>", LIMIT + "</joint>"), 0, "value-not-used")
@@ -36,6 +39,9 @@ for key in ("acceleration", "deceleration", "jerk"):
 TURNING = ARM.replace('"revolute"', '"continuous"')
 variant("continuous with limits", TURNING, 0, "value-not-used")
 variant("continuous with one limit", TURNING.replace('lower="-1" ', ""), 0, "value-not-used")
+for end in ("inf", "999999", "1e9"):
+    without = TURNING.replace('lower="-1" upper="1"', f'lower="-{end}" upper="{end}"')
+    variant(f"continuous with limits of {end}", without, 0, *(["limits-none"] if end != "1e9" else []))
 variant("continuous with limits of zero", TURNING.replace('"-1" upper="1"', '"0" upper="0"'), 0)
 variant("damping and friction", ARM.replace("</joint>", '<dynamics damping="1" friction="2"/></joint>'), 0)
 for element in ('safety_controller k_velocity="nan"', 'calibration rising="0x1"', 'safety_controller k_velocity=""'):
@@ -61,11 +67,36 @@ variant("no lower and upper", ARM.replace('lower="-1" upper="1" ', ""), 0, "limi
 variant("no effort", ARM.replace(' effort="10"', ""), 0, "effort-missing")
 variant("no velocity", ARM.replace(' velocity="1"', ""), 0, "effort-missing")
 variant("zero effort", ARM.replace('effort="10"', 'effort="0"'), 0, infos=["effort-zero"])
-variant("negative effort", ARM.replace('effort="10"', 'effort="-10"'), 1, "effort-negative")
-variant("negative velocity", ARM.replace('velocity="1"', 'velocity="-1"'), 1, "effort-negative")
+for key, now in (("effort", "10"), ("velocity", "1")):
+    for text in ("-10", "-1.5", "-1e-3", "-9999"):
+        variant(f"{key} {text}", ARM.replace(f'{key}="{now}"', f'{key}="{text}"'), 1, "effort-negative")
+    for text in ("-1", "-1.0", "inf", "+INF", "Infinity", ".inf", "1.#INF", "9999", "99999.9", "1e16", "1.79769e+308"):
+        variant(f"{key} {text}", ARM.replace(f'{key}="{now}"', f'{key}="{text}"'), 0, "limits-none")
+    for text in ("999", "1e9", "9998", "99991", "1.7976931348623157e+308"):
+        variant(f"{key} {text}", ARM.replace(f'{key}="{now}"', f'{key}="{text}"'), 0)
+    for text in ("-inf", "nan", "infinite"):
+        variant(f"{key} {text}", ARM.replace(f'{key}="{now}"', f'{key}="{text}"'), 1, "number-unreadable")
 variant("negative damping", ARM.replace("</joint>", '<dynamics damping="-1"/></joint>'), 1, "damping-negative")
 variant("negative friction", ARM.replace("</joint>", '<dynamics friction="-1"/></joint>'), 1, "friction-negative")
-variant("degrees", ARM.replace('lower="-1" upper="1"', 'lower="-180" upper="180"'), 0, "units-angle")
+for lower, upper, codes in (
+    ("-180", "180", ["units-angle"]),
+    ("-172.5", "0", ["units-angle"]),
+    ("-3600", "3600", ["units-angle"]),
+    ("-31.4159", "31.4159", []),
+    ("-180.3", "180", []),
+    ("-4000", "4000", []),
+    ("-12", "12", []),
+    ("-1e6", "1e6", []),
+    ("-10000", "10000", ["limits-none"]),
+    ("-999999", "999999", ["limits-none"]),
+    ("-inf", "inf", ["limits-none"]),
+    ("-.inf", "1", ["limits-none"]),
+    ("-3.40282e+38", "1", ["limits-none"]),
+    ("999999", "-999999", ["limits-reversed"]),
+):
+    variant(f"from {lower} to {upper}", ARM.replace('"-1" upper="1"', f'"{lower}" upper="{upper}"'), 0, *codes)
+variant("lower limit inf", ARM.replace('lower="-1"', 'lower="inf"'), 1, "number-unreadable")
+variant("upper limit -inf", ARM.replace('upper="1"', 'upper="-inf"'), 1, "number-unreadable")
 MIMIC = robot(
     link("base"),
     link("arm"),
@@ -136,6 +167,21 @@ variant(
     0,
     infos=["floating-root"],
 )
+for root in ("world", "dummy"):
+    for mass, codes, infos in (("0", [], ["floating-root"]), ("1e-3", ["mass-ratio"], [])):
+        variant(
+            f"{root} of {mass} kg with a floating base",
+            robot(
+                link(root, inertial(mass, (mass, mass, mass))),
+                link("base"),
+                link("arm"),
+                joint("free", "floating", root, "base", ""),
+                joint(),
+            ),
+            0,
+            *codes,
+            infos=infos,
+        )
 variant("world with a hinge", robot('<link name="world"/>', link("arm"), joint(parent="world")), 1, "massless-base")
 variant(
     "world with two floating robots",
@@ -170,6 +216,8 @@ variant(
 
 ROD = ARM.replace('"revolute"', '"prismatic"')
 variant("slide in mm", ROD.replace('upper="1"', 'upper="500"'), 0, "units-length")
+variant("slide of 20 m in mm", ROD.replace('upper="1"', 'upper="20000"'), 0, "units-length")
+variant("slide of nines", ROD.replace('upper="1"', 'upper="99999"'), 0, "limits-none")
 variant("slide without end", ROD.replace('upper="1"', 'upper="1e9"'), 0)
 for turn, codes in (("0 0 90", ["units-angle"]), ("0 0 -6.2832", [])):
     variant(f"joint turned by {turn}", ARM.replace('"0.3 0 0"', f'"0.3 0 0" rpy="{turn}"'), 0, *codes)

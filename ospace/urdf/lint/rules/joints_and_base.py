@@ -30,10 +30,12 @@ JOINTS_AND_BASE = (
     ),
     Rule(
         name="planar-axis",
-        severity="error",
-        summary="The axis of a planar joint is not 0 0 1.",
-        reason="Pinocchio's planar joint moves in the x-y plane of its frame, whatever the axis.",
-        remedy='Turn the joint\'s <origin>, and what hangs from it back, so that the axis is <axis xyz="0 0 1"/>.',
+        severity="info",
+        summary="The axis of a planar joint, the normal of its plane, is not 0 0 1; without <axis> it is 1 0 0.",
+        reason="ospace moves the joint in that plane, as URDF says. Its coordinates x and y are then along the "
+        "directions that the message gives, in the joint's frame. Other readers, Pinocchio's parser and MoveIt among "
+        "them, ignore the axis, and take the x-y plane.",
+        remedy='Nothing, if it is meant; else give the normal: <axis xyz="0 0 1"/> for the x-y plane.',
         example='<joint name="table" type="planar">…<axis xyz="0 1 0"/></joint>',
     ),
     Rule(
@@ -45,6 +47,16 @@ JOINTS_AND_BASE = (
         "bound on the torque.",
         remedy='Give it its limits; a joint that turns for ever is of type "continuous".',
         example='<joint name="hinge" type="revolute"> without <limit>',
+        fixable=True,
+    ),
+    Rule(
+        name="limits-none",
+        severity="warning",
+        summary="A limit is written as one that means none: inf, a number beyond 1e12, nines as in 999999, an effort "
+        "or velocity of -1, an angle from 1e4 to 1e6 rad. It is read as unlimited.",
+        reason="Pinocchio's parser rejects inf and negative efforts; others take them, and 999999, for numbers.",
+        remedy="Give the limit of the joint, or a number that is never reached, such as 1e9.",
+        example='<limit lower="-inf" upper="inf" effort="-1" velocity="-1"/>',
         fixable=True,
     ),
     Rule(
@@ -84,7 +96,7 @@ JOINTS_AND_BASE = (
     Rule(
         name="effort-negative",
         severity="error",
-        summary="The limit of a joint's effort or velocity is negative.",
+        summary="The limit of a joint's effort or velocity is negative, and not -1, which stands for none.",
         reason="No effort is allowed, and Pinocchio's parser rejects the file.",
         remedy="Give its size.",
         example='<limit lower="-1" upper="1" effort="-10" velocity="1"/>',
@@ -102,7 +114,7 @@ JOINTS_AND_BASE = (
         name="value-not-used",
         severity="warning",
         summary="A part of <limit> or <dynamics> is not used: acceleration, deceleration and jerk; lower and upper of "
-        "a continuous joint, unless both are zero; <limit> and <dynamics> of a planar or floating one.",
+        "a continuous joint, unless they are zero or mean none; <limit> and <dynamics> of a planar or floating one.",
         reason="The joint is freer in ospace than the file says.",
         remedy="Give bounds on accelerations to JointLimits.of(robot, acceleration=…); make a joint with positions to "
         'keep "revolute".',

@@ -58,8 +58,8 @@ MAGNITUDES = (
     Rule(
         name="units-angle",
         severity="warning",
-        summary="The limit of a revolute joint is more than two turns (4π) from zero, or the rpy of a joint or an "
-        "inertial is more than one (2π).",
+        summary="The limits of a revolute joint are round numbers of degrees, ten turns at most, and more than two "
+        "turns (4π) from zero; or the rpy of a joint or an inertial is more than one turn (2π).",
         reason="The file may be in degrees. Random states and limits of a controller would mean nothing.",
         remedy="Write angles in rad.",
         example='<limit lower="-180" upper="180" …/>',
