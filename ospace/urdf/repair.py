@@ -196,12 +196,20 @@ def _tensors(root: etree._Element) -> Iterator[tuple[_Edit, Change]]:
         xx, xy, xz, yy, yz, zz, kilograms = values
         tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         code, share = classify_tensor(kilograms, tensor)
-        if code and share <= ROUNDED:
-            nearest = dict(zip(TENSOR, _nearest(tensor)[np.triu_indices(3)].tolist(), strict=True))
+        if code == "planar-tensor" or (code and share <= ROUNDED):
+            repaired = _disc(tensor) if code == "planar-tensor" else _nearest(tensor)
+            nearest = dict(zip(TENSOR, repaired[np.triu_indices(3)].tolist(), strict=True))
             now = dict(zip(TENSOR, values, strict=False))
             changed = {key: _plain(nearest[key]) for key in TENSOR if nearest[key] != now[key]}
             what = ", ".join(f"{key} '{element.get(key)}' becomes '{text}'" for key, text in changed.items())
             yield _Edit(element, changed), _change(code, element, what)
+
+
+def _disc(tensor: Floats) -> Floats:
+    """Return the tensor of a flat body of which the largest moment alone is known: half of it about the other axes."""
+    moments = np.diag(tensor)
+    largest = moments.max()
+    return np.diag(np.where(moments == largest, largest, 0.5 * largest))
 
 
 def _nearest(tensor: Floats) -> Floats:

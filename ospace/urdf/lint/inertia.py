@@ -12,6 +12,7 @@ from ospace.kernels.tree import Floats
 from ospace.urdf.bodies import Body, tensor_of
 from ospace.urdf.description import Link
 from ospace.urdf.lint.findings import Finding, any_error, make_finding
+from ospace.urdf.lint.massless import Motion, motion_of, motions_of, new_rng, singular_joints
 from ospace.urdf.lint.rules import Severity
 
 ROUNDED = 1e-4
@@ -64,7 +65,9 @@ def check_bodies(bodies: Sequence[Body]) -> list[Finding]:
         )
         for body in bodies
     ]
-    return findings + _check_bodies(moving, any_error(findings))
+    rng = new_rng()
+    motions = [motion_of(body.joint, body.rotation, rng) for body in bodies if body.joint is not None]
+    return findings + _check_bodies(moving, motions, any_error(findings))
 
 
 def check_model(model: pin.Model) -> list[Finding]:
@@ -82,26 +85,27 @@ def check_model(model: pin.Model) -> list[Finding]:
         moving.append(
             MovingBody(subject, link, str(model.names[j]), parent, inertia.mass, inertia.lever, inertia.inertia)
         )
-    return _check_bodies(moving)
+    return _check_bodies(moving, motions_of(model))
 
 
-def _check_bodies(bodies: Sequence[MovingBody], unsound: bool = False) -> list[Finding]:
+def _check_bodies(bodies: Sequence[MovingBody], motions: Sequence[Motion], unsound: bool = False) -> list[Finding]:
     findings: list[Finding] = []
-    subtree_mass = np.array([body.mass for body in bodies])
-    for k in range(len(bodies) - 1, 0, -1):
-        subtree_mass[bodies[k].parent] += subtree_mass[k]
+    parents, masses = [body.parent for body in bodies], [body.mass for body in bodies]
+    singular = set(singular_joints(parents, masses, [body.tensor for body in bodies], motions))
     for k, body in enumerate(bodies):
         if not body.known:
             findings += _check_tensor(body.subject, body.mass, body.centre, body.tensor, body.line)
         if k == 0:
             findings += _check_base(body, alone=len(bodies) == 1 and not unsound and not any_error(findings))
-        elif subtree_mass[k] == 0.0:
+        elif k in singular:
             message = "the joint moves links without any mass, so the joint-space inertia is singular"
+            if body.tensor.any():
+                message = "the joint moves links without any mass, and no tensor of theirs resists it: H is singular"
             remedy = f"Give link '{body.link}' an <inertial>, or make the joint fixed."
             findings.append(
                 make_finding("massless-subtree", f"joint '{body.joint}'", message, remedy=remedy, line=body.line)
             )
-        elif body.mass == 0.0:
+        elif body.mass == 0.0 and not body.tensor.any():
             message = f"the body on joint '{body.joint}' has no mass of its own"
             findings.append(make_finding("massless-link", f"link '{body.link}'", message, line=body.line))
     return findings
@@ -155,6 +159,13 @@ def _check_tensor(
     if not code:
         return []
     moments = np.linalg.eigvalsh(tensor)
+    if code == "planar-tensor":
+        given = "xyz"[int(np.argmax(np.diag(tensor)))]
+        others = " and ".join(f"i{axis}{axis}" for axis in "xyz" if axis != given)
+        message = (
+            f"only i{given}{given} is given, {moments[2]:.6g} kg m², as for motion in a plane: {others} are missing"
+        )
+        return [make_finding(code, subject, message, line=line, value=f"{moments[2]:.6g}")]
     if code == "inertia-indefinite":
         message = f"its tensor about the centre of mass has the negative principal moment {moments[0]:.6g} kg m²"
         severity: Severity = "warning" if merged else "error"
@@ -170,6 +181,9 @@ def _check_tensor(
 
 def classify_tensor(mass: float, tensor: Floats) -> tuple[str, float]:
     """Compare the principal moments of a tensor with those that a body can have.
+
+    One moment beside which the other two are equal, and a hundredth at most, is that of a planar model, which needs no
+    other; without mass it may stand alone, for a wheel.
 
     Two of the moments of a body sum up to the third at least. So rounding is measured by the middle one: beside a
     largest moment that dwarfs the others, a negative one may still be more than rounding.
@@ -188,6 +202,8 @@ def classify_tensor(mass: float, tensor: Floats) -> tuple[str, float]:
     float
         The violation as a share of the largest moment.
     """
+    if _of_plane(tensor):
+        return ("planar-tensor", 1.0) if mass > 0.0 else ("", 0.0)
     smallest, middle, largest = np.linalg.eigvalsh(tensor)
     excess = largest - smallest - middle
     if smallest < -(_NEGATIVE * abs(middle) + _POINT_NEGATIVE * mass):
@@ -196,6 +212,11 @@ def classify_tensor(mass: float, tensor: Floats) -> tuple[str, float]:
         share = float(excess / largest)
         return "inertia-rounding" if share <= ROUNDED else "inertia-triangle", share
     return "", 0.0
+
+
+def _of_plane(tensor: Floats) -> bool:
+    smallest, middle, largest = np.sort(np.diag(tensor))
+    return bool(np.count_nonzero(tensor - np.diag(np.diag(tensor))) == 0 and 0.0 <= smallest == middle < 0.01 * largest)
 
 
 def _about_origin(mass: float, centre: Floats, tensor: Floats) -> bool:

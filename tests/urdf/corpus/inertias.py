@@ -68,9 +68,64 @@ variant(
     robot(link("base"), link("arm", inertial("0")), link("hand"), joint(), HAND),
     0,
     "inertia-without-mass",
-    infos=["massless-link"],
+)
+
+
+def wheeled(axis, moments, kind="continuous", products=("0", "0", "0"), mass="0"):
+    """Put a wheel on a bus: its tensor alone, as its mass is counted with the bus."""
+    wheel = inertial(mass, moments, products)
+    limit = '<limit lower="-1" upper="1" effort="0.2" velocity="600"/>'
+    limit = limit.replace('lower="-1" upper="1" ', "") if kind == "continuous" else limit if kind != "planar" else ""
+    return robot(link("base"), link("wheel", wheel), joint("spin", kind, child="wheel", more=axis + limit))
+
+
+UP = '<axis xyz="0 0 1"/>'
+DISC, ALONE = ("0.01", "0.01", "0.02"), ("0", "0", "0.02")
+for name, wheel, codes in (
+    ("on its axis", wheeled(UP, DISC), []),
+    ("on a revolute joint", wheeled(UP, DISC, "revolute"), []),
+    ("across its axis", wheeled(AXIS, DISC), []),
+    ("of one moment, on its axis", wheeled(UP, ALONE), []),
+    ("of one moment, across its axis", wheeled(AXIS, ALONE), ["massless-subtree"]),
+    ("of one moment, nearly across its axis", wheeled('<axis xyz="0 1 0.001"/>', ALONE), []),
+    ("on a slider", wheeled(UP, DISC, "prismatic"), ["massless-subtree"]),
+    ("a little heavy, on a slider", wheeled(UP, DISC, "prismatic", mass="0.01"), None),
+    ("on a planar joint", wheeled(UP, DISC, "planar"), ["massless-subtree"]),
+    ("of a negative moment", wheeled(UP, ("0.01", "0.01", "-0.02")), ["inertia-indefinite", "massless-subtree"]),
+):  # fmt: skip
+    expected = [] if codes is None else ["inertia-without-mass", *codes]
+    variant(f"wheel without mass {name}", wheel, 1 if codes else 0, *expected)
+
+
+def gimballed(ring, axis, rotor=DISC, place="0 0 0"):
+    spin = joint("spin", "continuous", "ring", "rotor", axis + '<limit effort="1" velocity="9"/>', place)
+    frame = link("ring", "" if ring is None else inertial("0", ring))
+    return robot(link("base"), frame, link("rotor", inertial("0", rotor)), joint("tilt", child="ring"), spin)
+
+
+SMALL = ("0.001", "0.001", "0.001")
+variant("gyro without mass", gimballed(SMALL, UP), 0, "inertia-without-mass")
+variant("gyro in a ring of nothing", gimballed(None, UP), 0, "inertia-without-mass", infos=["massless-link"])
+variant("gyro of one axis twice", gimballed(None, AXIS), 1, "inertia-without-mass", "massless-subtree")
+variant("gyro of one axis twice, with a ring", gimballed(SMALL, AXIS), 0, "inertia-without-mass")
+variant(
+    "gyro beside its ring", gimballed(None, UP, place="0.2 0 0"), 0, "inertia-without-mass", infos=["massless-link"]
+)
+variant("gyro of one moment", gimballed(SMALL, UP, ALONE), 0, "inertia-without-mass")
+variant(
+    "gyro of one moment in a ring of nothing", gimballed(None, UP, ALONE), 1, "inertia-without-mass", "massless-subtree"
 )
 variant("point mass", with_arm(inertial(moments=("0", "0", "0"))), 0, infos=["point-mass"])
+for moments in (
+    ("0", "0", "0.3"),
+    ("0.3", "0", "0"),
+    ("0", "0.3", "0"),
+    ("1e-6", "1e-6", "0.3"),
+    ("1e-9", "1e-9", "0.3"),
+):
+    variant(f"planar tensor {' '.join(moments)}", with_arm(inertial(moments=moments)), 0, "planar-tensor")
+variant("nearly a planar tensor", with_arm(inertial(moments=("1e-4", "2e-4", "0.3"))), 0, "inertia-triangle")
+variant("planar tensor alone", robot(link("base", inertial(moments=ALONE))), 1, "planar-tensor", "massless-base")
 variant("rod", with_arm(inertial(moments=("0", "0.1", "0.1"))), 0)
 variant(
     "tensor about the origin",

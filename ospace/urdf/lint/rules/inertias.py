@@ -16,8 +16,10 @@ INERTIAS = (
     Rule(
         name="massless-subtree",
         severity="error",
-        summary="A joint moves links that have no mass at all.",
-        reason="No inertia resists the joint, so H is singular and accelerations are not defined.",
+        summary="A joint moves links that have no mass at all, and no tensor of theirs resists it either.",
+        reason="No inertia resists the joint, so H is singular and accelerations are not defined. A tensor without "
+        "mass resists a joint that turns it, as a wheel's; it does not resist being moved, or turned about an axis about "
+        "which its moment is zero.",
         remedy="Give one of the links beyond it an <inertial>, or make the joint fixed.",
         example='<joint name="hinge" type="revolute">…<child link="hand"/></joint><link name="hand"/>',
     ),
@@ -83,6 +85,19 @@ INERTIAS = (
         example='<inertia ixx="1" iyy="1" izz="3" ixy="0" ixz="0" iyz="0"/>',
     ),
     Rule(
+        name="planar-tensor",
+        severity="warning",
+        summary="One moment is given, as izz of a planar model, and the other two are zero, or equal and less than a "
+        "hundredth of it.",
+        reason="In the plane no other moment matters. A base that floats in space turns about all axes: where all "
+        "centres of mass lie on one line nothing resists a turn about it, and H is singular; with one joint that is "
+        "always so. No distribution of mass has such a tensor.",
+        remedy="Give all three moments, or let --fix write half of the one given for the other two, as of a flat "
+        "plate.",
+        example='<inertia ixx="0" iyy="0" izz="0.3" ixy="0" ixz="0" iyz="0"/>',
+        fixable=True,
+    ),
+    Rule(
         name="inertia-rounding",
         severity="warning",
         summary="One principal moment exceeds the sum of the other two by 1e-9 to 1e-4 of it.",
@@ -105,8 +120,9 @@ INERTIAS = (
         name="inertia-without-mass",
         severity="warning",
         summary="A link has a tensor and no mass.",
-        reason="No body has: it resists being turned and not being moved.",
-        remedy="Give it its mass, or remove the <inertial>.",
+        reason="No body has: it resists being turned and not being moved. So reaction wheels are written whose mass is "
+        "counted with the bus; on a joint that moves them H is singular (massless-subtree).",
+        remedy="Nothing for a wheel or gyro on its axis, whose mass the bus has; else give it its mass.",
         example='<mass value="0"/><inertia ixx="1" …/>',
     ),
     Rule(
