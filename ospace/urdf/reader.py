@@ -14,7 +14,7 @@ from ospace.urdf.bodies import bodies_of
 from ospace.urdf.build import build, build_original
 from ospace.urdf.coupling import couple, followings
 from ospace.urdf.description import Description
-from ospace.urdf.lint import inertia, joints, meshes, mimicry, plausibility
+from ospace.urdf.lint import inertia, joints, meshes, mimicry, plausibility, scale
 from ospace.urdf.lint.findings import Finding, any_error, by_severity
 from ospace.urdf.parse import parse
 from ospace.urdf.source import Limits
@@ -104,7 +104,7 @@ def read_content(
     if not any(finding.code in _NO_INERTIAL for finding in findings):
         findings += inertia.check_bodies(bodies)
     findings += plausibility.check_links(description)
-    findings += plausibility.check_mass_ratio(bodies)
+    findings += scale.check_scale(description, bodies)
     findings += meshes.check_meshes(description, path, package_dirs)
     if any_error(findings):
         return Reading(description, by_severity(findings), None)

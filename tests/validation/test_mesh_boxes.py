@@ -13,7 +13,7 @@ ROBOT = """<robot name="drawn">
   </link>
   <link name="arm">
     <visual><origin xyz="0 0 0.5" rpy="0.3 0 0"/><geometry><mesh filename="{file}" scale="{scale}"/></geometry></visual>
-    <inertial><origin xyz="{centre}"/><mass value="4"/>
+    <inertial><origin xyz="{centre}"/><mass value="{mass}"/>
       <inertia ixx="{moment}" iyy="{moment}" izz="{moment}" ixy="0" ixz="0" iyz="0"/></inertial>
   </link>
   <joint name="elbow" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
@@ -29,9 +29,9 @@ def read(tmp_path):
     (tmp_path / "cut.stl").write_text("solid arm\n facet normal 0 0")
     (tmp_path / "elsewhere.dae").write_text("garbage")
 
-    def robot(file="arm.stl", scale="1 1 1", centre="0 0 0.5", moment=0.35):
+    def robot(file="arm.stl", scale="1 1 1", centre="0 0 0.5", moment=0.35, mass=4.0):
         path = tmp_path / "drawn.urdf"
-        path.write_text(ROBOT.format(file=file, scale=scale, centre=centre, moment=moment))
+        path.write_text(ROBOT.format(file=file, scale=scale, centre=centre, moment=moment, mass=mass))
         return ospace.SpaceRobot.from_urdf(path)
 
     return robot
@@ -53,7 +53,7 @@ def test_what_fits_is_not_told(read, fitting):
     ("wrong", "code"),
     [
         ({"moment": 40.0}, "gyration-large"),
-        ({"moment": 1e-5}, "gyration-small"),
+        ({"moment": 1e-5, "mass": 0.1}, "gyration-small"),
         ({"centre": "0 0 2.5"}, "centre-outside"),
         ({"file": "arm_mm.obj"}, "units-length"),
         ({"file": "cut.stl"}, "mesh-unreadable"),

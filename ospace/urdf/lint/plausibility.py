@@ -8,17 +8,16 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ospace.kernels.tree import Floats
-from ospace.urdf.bodies import Body, placement, tensor_of
+from ospace.urdf.bodies import placement, tensor_of
 from ospace.urdf.description import Description, Inertial, Link, Pose, Shape
 from ospace.urdf.lint.findings import Finding, make_finding
 
-_FAR = 100.0  # m: the International Space Station is 109 m wide, its arm 17 m long
+FAR = 100.0  # m: the International Space Station is 109 m wide, its arm 17 m long
 _ONE_TURN = 2.0 * math.pi * (1.0 + 1e-3)  # rad: 6.2832 is one, rounded
-_DENSEST, _THINNEST = 25_000.0, 0.1  # kg/m³
+DENSEST, _THINNEST = 25_000.0, 0.1  # kg/m³: osmium has 22,600
 _GYRATION_OVER_REACH, _REACH_OVER_GYRATION = 2.0, 50.0
 _MARKER = 0.02  # m: smaller boxes stand for a sensor or a frame
-_LIGHTEST = 1e-5  # of the robot's mass: lighter links are there to please simulators
-_HEAVIEST_ARM, _LIGHTEST_ARM = 100.0, 1e-6  # of the base's mass
+LIGHTEST = 1e-5  # of the robot's mass: lighter links are there to please simulators
 
 
 def check_links(description: Description) -> Iterator[Finding]:
@@ -34,30 +33,17 @@ def check_links(description: Description) -> Iterator[Finding]:
         inertial = link.inertial
         if inertial is not None:
             yield from _check_rpy(link.subject, inertial.pose, inertial.line)
-        if inertial is not None and inertial.mass > max(0.0, _LIGHTEST * total):
+        if inertial is not None and inertial.mass > max(0.0, LIGHTEST * total):
             yield from _check_units(link, inertial)
             if shapes:
                 yield from _compare_with_shape(link, inertial, shapes)
-        if shapes and (size := float(np.ptp(_box(shapes), axis=0).max())) > _FAR:
+        if shapes and (size := float(np.ptp(_box(shapes), axis=0).max())) > FAR:
             yield make_finding("units-length", link.subject, f"its shape is {size:g} m large", line=shapes[0].line)
     for joint in description.joints:
         yield from _check_rpy(joint.subject, joint.pose, joint.line)
-        if (length := math.hypot(*joint.pose.xyz)) > _FAR:
+        if (length := math.hypot(*joint.pose.xyz)) > FAR:
             message = f"lies {length:g} m from the origin of link '{joint.parent}'"
             yield make_finding("units-length", joint.subject, message, line=joint.line, value=f"{length:g}")
-
-
-def check_mass_ratio(bodies: Sequence[Body]) -> Iterator[Finding]:
-    """Compare the mass of the base with that of the other bodies.
-
-    Returns
-    -------
-    iterator of Finding
-    """
-    base, rest = bodies[0].mass, sum(body.mass for body in bodies[1:])
-    if base > 0.0 and rest > 0.0 and not _LIGHTEST_ARM <= rest / base <= _HEAVIEST_ARM:
-        message = f"the base has {base:g} kg, and all that hangs from it {rest:g} kg"
-        yield make_finding("mass-ratio", f"link '{bodies[0].link.name}'", message, value=f"{rest / base:g}")
 
 
 def _check_rpy(subject: str, pose: Pose, line: int | None) -> Iterator[Finding]:
@@ -69,11 +55,11 @@ def _check_rpy(subject: str, pose: Pose, line: int | None) -> Iterator[Finding]:
 
 def _check_units(link: Link, inertial: Inertial) -> Iterator[Finding]:
     away = math.hypot(*inertial.pose.xyz)
-    if away > _FAR:
+    if away > FAR:
         message = f"its centre of mass is {away:g} m from its origin"
         yield make_finding("units-length", link.subject, message, line=inertial.line, value=f"{away:g}")
-    gyration = _gyration(inertial)
-    if gyration > _FAR:
+    gyration = radius_of_gyration(inertial)
+    if gyration > FAR:
         message = f"its radius of gyration is {gyration:g} m"
         yield make_finding("units-inertia", link.subject, message, line=inertial.line, value=f"{gyration:g}")
 
@@ -84,7 +70,7 @@ def _compare_with_shape(link: Link, inertial: Inertial, shapes: Sequence[Shape])
     if diagonal < _MARKER:
         return
     reach = float(np.linalg.norm(np.abs(box - centre).max(axis=0)))
-    gyration = _gyration(inertial)
+    gyration = radius_of_gyration(inertial)
     compared = f"radius of gyration {gyration:.4g} m, farthest reach of its shape {reach:.4g} m"
     if gyration > _GYRATION_OVER_REACH * reach:
         yield make_finding("gyration-large", link.subject, compared, line=line, value=f"{gyration:.4g}")
@@ -93,7 +79,7 @@ def _compare_with_shape(link: Link, inertial: Inertial, shapes: Sequence[Shape])
     roles = [[shape for shape in shapes if shape.role == role] for role in ("visual", "collision")]
     solid = max(sum(map(_volume, of_role)) for of_role in roles)
     whole = float(np.prod(box[1] - box[0]))  # shapes may be no more than the corners of a link
-    if solid > 0.0 and (inertial.mass < _THINNEST * solid or inertial.mass > _DENSEST * whole):
+    if solid > 0.0 and (inertial.mass < _THINNEST * solid or inertial.mass > DENSEST * whole):
         volume = solid if inertial.mass < _THINNEST * solid else whole
         density = inertial.mass / volume
         message = f"{inertial.mass:g} kg in {volume:.4g} m³: {density:.4g} kg/m³"
@@ -104,7 +90,14 @@ def _compare_with_shape(link: Link, inertial: Inertial, shapes: Sequence[Shape])
         yield make_finding("centre-outside", link.subject, message, line=line, value=f"{outside:.4g}")
 
 
-def _gyration(inertial: Inertial) -> float:
+def radius_of_gyration(inertial: Inertial) -> float:
+    """Return the largest radius of gyration of a link that has mass.
+
+    Returns
+    -------
+    float
+        m.
+    """
     return math.sqrt(max(0.0, float(np.linalg.eigvalsh(tensor_of(inertial))[2])) / inertial.mass)
 
 

@@ -154,3 +154,65 @@ variant(
 )
 
 variant("indefinite and alone", robot(link("base", inertial(moments=("-0.1", "0.1", "0.1")))), 1, "inertia-indefinite")
+
+BUS = link("base", inertial("100", ("8", "9", "10")))
+
+
+def on_bus(mass="5", moments=("0.1", "0.1", "0.1"), centre="0.1 0 0.05", origin="0.3 0 0"):
+    """Put a link on a bus of 100 kg, whose lengths are below half a metre."""
+    return robot(BUS, link("arm", inertial(mass, moments, origin=centre)), joint(origin=origin))
+
+
+variant("hand of 2000 kg on a bus of 100 kg", on_bus("2000", ("90", "90", "90")), 0, "mass-ratio")
+variant("hand of 400 kg on a bus of 100 kg", on_bus("400", ("12", "12", "12")), 0)
+variant("centre of mass 50 m away", on_bus(centre="50 0 0"), 0, "units-length")
+variant("centre of mass in inches", on_bus(centre="12 0 0"), 0, "units-length")
+variant("centre of mass at the end of a boom", on_bus(centre="5 0 0"), 0)
+variant("centre of mass on a long panel", on_bus(centre="50 0 0", moments=("1", "4000", "4000")), 0)
+variant("joint 50 m away", on_bus(origin="0 50 0"), 0, "units-length")
+variant("joint on a boom", on_bus(origin="0 5 0"), 0)
+variant(
+    "frame 50 m away",
+    on_bus().replace("</robot>", link("mark", "") + joint("far", "fixed", "arm", "mark", "", "50 0 0") + "</robot>"),
+    0,
+)
+variant("tensor of a body of 10 m among small ones", on_bus(moments=("500", "500", "500")), 0, "units-inertia")
+variant("tensor of a body of 4 m among small ones", on_bus(moments=("80", "80", "80")), 0)
+variant(
+    "2000 kg within 3 mm",
+    robot(
+        link("base", inertial("2000", ("160", "180", "200"))),
+        link("arm", inertial("2000", ("0.018", "0.018", "0.018"))),
+        joint(),
+    ),
+    0,
+    "gyration-small",
+)
+variant(
+    "2000 kg within 30 cm",
+    robot(
+        link("base", inertial("2000", ("160", "180", "200"))),
+        link("arm", inertial("2000", ("180", "180", "180"))),
+        joint(),
+    ),
+    0,
+)
+variant("sensor of 1 kg within 1 mm", on_bus("1", ("1e-6", "1e-6", "1e-6")), 0, infos=["gyration-small"])
+variant(
+    "bus of the DEOS study with its arm",
+    robot(
+        link("base", inertial("696.2", ("18", "20", "22"), origin="0 0 0")),
+        link("arm", inertial("3.3", ("0.0056", "0.0056", "0.0056"))),
+        joint(origin="-0.42 0.47 -0.56"),
+    ),
+    0,
+)
+variant(
+    "boom of Canadarm2 on its station",
+    robot(
+        link("base", inertial("420000", ("1e8", "6e7", "1.5e8"))),
+        link("arm", inertial("314.88", ("15.41", "2094.71", "2103.19"), origin="3.55 0 0")),
+        joint(origin="20 0 0"),
+    ),
+    0,
+)

@@ -26,7 +26,10 @@ variant(
     "gyration-small",
 )
 variant(
-    "mass in grams", with_arm(inertial("2000", ("20", "30", "40"), origin="0 0 0"), SHAPE), 0, "density", "mass-ratio"
+    "mass in grams",
+    with_arm(inertial("2000", ("20", "30", "40"), origin="0 0 0"), SHAPE),
+    0,
+    *("density", "mass-ratio", "gyration-small"),
 )
 variant("mass of nothing", with_arm(inertial("0.001", ("1e-5", "1e-5", "1e-5"), origin="0 0 0"), SHAPE), 0, "density")
 variant("centre of mass in mm", robot(link("base", inertial(origin="110 0 0"))), 0, "units-length", "base-condition")
@@ -50,7 +53,7 @@ variant(
 variant(
     "heavy base",
     robot(
-        link("base", inertial("3e6", ("3e4", "3e4", "3e4"))),
+        link("base", inertial("3e6", ("3e7", "3e7", "3e7"))),
         link("arm", inertial("0.2", ("2e-3", "3e-3", "4e-3"))),
         joint(),
     ),

@@ -37,7 +37,16 @@ def test_romeo_laas_small_has_indefinite_inertias():
 
 def test_icub_reduced_is_sound():
     findings = ospace.SpaceRobot.from_urdf(robot_file("icub_description/robots/icub_reduced.urdf")).findings
-    assert {finding.code for finding in findings if finding.severity != "info"} == {"zero-outside-limits"}
+    odd = {finding.code for finding in findings if finding.severity != "info"}
+    assert odd == {"zero-outside-limits", "gyration-small"}
+
+
+def test_the_right_leg_of_icub_has_tensors_of_points():
+    """Those of the left leg are some 1e15 times as large."""
+    findings = ospace.SpaceRobot.from_urdf(robot_file("icub_description/robots/icub_reduced.urdf")).findings
+    dense = {finding.subject: finding.severity for finding in findings if finding.code == "gyration-small"}
+    legs = {"link 'r_upper_leg'": "warning", "link 'r_lower_leg'": "info", "link 'r_ankle_1'": "info"}
+    assert dense == {"link 'base_link'": "warning", **legs}
 
 
 def test_ur3_is_an_empty_remnant():

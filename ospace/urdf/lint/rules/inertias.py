@@ -18,8 +18,8 @@ INERTIAS = (
         severity="error",
         summary="A joint moves links that have no mass at all, and no tensor of theirs resists it either.",
         reason="No inertia resists the joint, so H is singular and accelerations are not defined. A tensor without "
-        "mass resists a joint that turns it, as a wheel's; it does not resist being moved, or turned about an axis about "
-        "which its moment is zero.",
+        "mass resists a joint that turns it, as a wheel's; it does not resist being moved, or turned about an axis "
+        "about which its moment is zero.",
         remedy="Give one of the links beyond it an <inertial>, or make the joint fixed.",
         example='<joint name="hinge" type="revolute">…<child link="hand"/></joint><link name="hand"/>',
     ),

@@ -15,7 +15,9 @@ MAGNITUDES = (
     Rule(
         name="gyration-small",
         severity="warning",
-        summary="The radius of gyration of a link is less than a fiftieth of the reach of its shape.",
+        summary="The radius of gyration of a link is less than a fiftieth of the reach of its shape; or a body has "
+        "more than 25,000 kg/m³ even as a ball of its mass and tensor, the largest that has them (an info for less "
+        "than 5 % of the robot's mass).",
         reason="The link turns as if its mass were in one point; H comes near to singular at the last joints.",
         remedy="Compute the tensor from the shape, in kg m²; one in t mm² is a thousand times too small.",
         example='<inertia ixx="1e-9" iyy="1e-9" izz="1e-9" …/> on a sphere of 0.1 m and 1 kg',
@@ -42,7 +44,8 @@ MAGNITUDES = (
         name="units-length",
         severity="warning",
         summary="A joint or a centre of mass lies more than 100 m from the origin of its link, or a shape is that "
-        "large, or the limit of a prismatic joint is that far from zero.",
+        "large, or the limit of a prismatic joint is that far from zero; or the distance of a joint or of a centre of "
+        "mass is more than 20 times all lengths of other kinds: distances of joints, of centres, radii of gyration.",
         reason="The file may be in millimetres: distances enter inertias by their square.",
         remedy="Write lengths in m.",
         example='<origin xyz="300 0 0"/>',
@@ -50,7 +53,8 @@ MAGNITUDES = (
     Rule(
         name="units-inertia",
         severity="warning",
-        summary="The radius of gyration of a link is more than 100 m.",
+        summary="The radius of gyration of a link is more than 100 m, or more than 20 times all other lengths of the "
+        "robot, that of the base included.",
         reason="The tensor may be in g mm² or kg mm², a million to a billion times too large.",
         remedy="Write tensors in kg m².",
         example='<mass value="2"/><inertia ixx="1e6" iyy="1e6" izz="1e6" …/>',
@@ -68,7 +72,7 @@ MAGNITUDES = (
         name="mass-ratio",
         severity="warning",
         summary="All other bodies together have more than 100 times the mass of the base, or less than a millionth "
-        "of it.",
+        "of it; or one of them has more than five times the mass of all others and the base.",
         reason="Coupling between arm and base is what free-floating dynamics are about; here it is nearly a fixed "
         "base, "
         "or a base that is a mere tail of the arm. Mixed units do that.",
