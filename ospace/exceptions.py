@@ -28,17 +28,20 @@ def _restored(kind: type[OspaceError], *arguments: object) -> OspaceError:
 
 
 class SingularInertiaError(OspaceError):
-    """A joint moves nothing: no inertia is left to resist it, so accelerations are not defined.
+    """A joint moves nothing, or the base: no inertia is left to resist it, so accelerations are not defined.
 
     Attributes
     ----------
-    joint : str
-        The joint.
+    joint : str or None
+        The joint; None for the base.
     """
 
-    def __init__(self, joint: str) -> None:
+    def __init__(self, joint: str | None) -> None:
         super().__init__(
-            f"joint '{joint}' carries no inertia in this state, so the joint-space inertia is singular: "
+            "the base has no inertia about some axis in this state, beside that of what it carries, so the joint-space "
+            "inertia is singular: give it three moments of inertia, and masses in kg, or choose a heavier root link"
+            if joint is None
+            else f"joint '{joint}' carries no inertia in this state, so the joint-space inertia is singular: "
             f"give the links beyond '{joint}' mass and inertia, or make the joint fixed"
         )
         self.joint = joint

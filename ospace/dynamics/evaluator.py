@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ospace.checks import check_kind, checked_names, checked_vector, not_finite
+from ospace.checks import check_kind, checked_names, checked_vector
 from ospace.dynamics.workspace import Workspace, wanted_of
 from ospace.exceptions import OspaceError
 from ospace.kernels import evaluation
@@ -164,7 +164,7 @@ class OperationalSpaceEvaluator:
         Raises
         ------
         SingularInertiaError
-            A joint moves nothing in this state; names the joint.
+            A joint or the base moves nothing in this state; names the joint.
         OspaceError
             Wrong length, numbers that are not finite, or a quaternion that is not of unit length; or a result that is
             not finite. There are no results then: arrays that are held show zeros.
@@ -182,7 +182,7 @@ class OperationalSpaceEvaluator:
             self._refine(status, q, v)
             return self
         if self._composes and evaluation.compose(self._still, self._still, self._memory):
-            self._refuse(not_finite("the dynamics of the composite bodies"))
+            self._refine(evaluation.OK, q, v)
         if self._couples and (status := evaluation.couple(self._memory)):
             self._refine(status, q, v)
             return self
@@ -241,8 +241,8 @@ class OperationalSpaceEvaluator:
                 self._run.evaluate(self._want)
             else:
                 self._run.settle(status, self._want)
-                if self._composes and evaluation.compose(self._still, self._still, self._memory):
-                    raise not_finite("the dynamics of the composite bodies")
+                if self._composes:
+                    self._run.compose()
                 if self._couples:
                     self._run.settle(evaluation.couple(self._memory), self._want)
         except OspaceError as error:

@@ -74,17 +74,33 @@ class Workspace:
         Raises
         ------
         SingularInertiaError
-            A joint moves nothing in this state; names the joint.
+            A joint or the base moves nothing in this state; names the joint.
         OspaceError
             A result is not finite.
         """
         self.wanted[0] = want = wanted_of(self.robot, want | kernel.LINKS_STAND)
         if want & ~(kernel.COMPOSITE | kernel.LINKS_STAND):
             self.settle(kernel.evaluate(self.q, self.v, self.memory), want)
-        if want & kernel.COMPOSITE and kernel.compose(self.q, self.v, self.memory):
-            raise not_finite("the dynamics of the composite bodies")
+        if want & kernel.COMPOSITE:
+            self.compose()
         if want & kernel.MOBILITY and self.robot.free:
             self.settle(kernel.couple(self.memory), want)
+
+    def compose(self) -> None:
+        """Compute the composite bodies of the links that stand, as the bits of `wanted` have it.
+
+        Raises
+        ------
+        SingularInertiaError
+            The base has no inertia about some axis in this state, or none beside what it carries.
+        OspaceError
+            A result is not finite.
+        """
+        status = kernel.compose(self.q, self.v, self.memory)
+        if status == kernel.SINGULAR:
+            raise SingularInertiaError(None)
+        if status:
+            raise not_finite("the dynamics of the composite bodies")
 
     def settle(self, status: int, want: int) -> None:
         """Do what `evaluate` of the kernels left undone, or raise what its `status` means."""
@@ -94,7 +110,8 @@ class Workspace:
             raise not_finite("the operational-space dynamics")
         if status == kernel.SINGULAR:
             none = np.flatnonzero(~(self.table("relative_pivot")[1:, 0] > NO_INERTIA))
-            raise SingularInertiaError(self.robot.joint_of_link(int(none[-1]) + 1))
+            of_joint = want & kernel.MOBILITY and none.size
+            raise SingularInertiaError(self.robot.joint_of_link(int(none[-1]) + 1) if of_joint else None)
         if status == kernel.DEPENDENT:
             stand = want & (kernel.MOTION | kernel.LINKS_STAND)
             self.wanted[0] = kernel.JACOBIAN | kernel.FLOATING_BASE | kernel.NORMALIZED | stand

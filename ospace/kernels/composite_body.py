@@ -13,7 +13,8 @@ Inertias, forces and motions stand at the links' own origins, d_i away from the 
 
 from __future__ import annotations
 
-from ospace.kernels.jit.compile import Table, inlined
+from ospace.kernels.articulated_body import NO_INERTIA
+from ospace.kernels.jit.compile import Number, Table, Vec6, inlined
 from ospace.kernels.jit.load_store import (
     add_to6,
     add_to21,
@@ -27,7 +28,7 @@ from ospace.kernels.jit.load_store import (
     store6_at,
     store21,
 )
-from ospace.kernels.jit.simd import full_like
+from ospace.kernels.jit.simd import full_like, minimum
 from ospace.kernels.points import acceleration_at, joint_column, take_rows
 from ospace.kernels.pv_osimr import initial_bias_forces
 from ospace.kernels.spatial import (
@@ -43,7 +44,7 @@ from ospace.kernels.spatial import (
     rotate,
     scale6,
     sub3,
-    sym6_inverse,
+    sym6_inverse_and_pivot,
     sym6_mul,
     zero6,
 )
@@ -59,12 +60,15 @@ def compose(joints: Joints, w: Work) -> None:
         store21(w.IC, i, load21(w.I, i))
     if coupled:
         clear6(w.H_bm)
+        for k in range(6, w.inertia_diagonal.shape[0]):
+            w.inertia_diagonal[k, 0] = full_like(0.0, w.R[0, 0])
     for i in range(joints.parent.size - 1, 0, -1):
         IC = load21(w.IC, i)
         F = sym6_mul(IC, load6(w.S, i))
         store6(w.F, i, F)
         if coupled:
             add_to6(w.H_bm, joints.column[i], force_from(load3(w.r, i), F))
+            add_coupled_diagonal(joints, w, i, F)
         else:
             store6(w.H_bm, i, force_from(load3(w.r, i), F))
             w.inertia_diagonal[i + 5, 0] = dot6(load6(w.S, i), F) + joints.armature[i, 0]
@@ -77,6 +81,18 @@ def compose(joints: Joints, w: Work) -> None:
 
 
 @inlined
+def add_coupled_diagonal(joints: Joints, w: Work, i: int, F: Vec6) -> None:
+    """Add what link `i` and those below it that share its column add to the diagonal of H; F = I_i^C S_i."""
+    k = joints.column[i] + 5
+    along, j = dot6(load6(w.S, i), F) + joints.armature[i, 0], joints.parent[i]
+    while j > 0:
+        if joints.column[j] == joints.column[i]:  # once as row, once as column
+            along = along + 2.0 * dot6(load6(w.S, j), force_from(sub3(load3(w.r, i), load3(w.r, j)), F))
+        j = joints.parent[j]
+    w.inertia_diagonal[k, 0] = w.inertia_diagonal[k, 0] + along
+
+
+@inlined
 def clear6(rows: Table) -> None:
     """Set rows of six to zero."""
     for k in range(rows.shape[0]):
@@ -84,12 +100,13 @@ def clear6(rows: Table) -> None:
 
 
 @inlined
-def base_generalized_jacobian(w: Work) -> None:
-    """Columns of J_b* (27) as rows of `J_b_star` (n + 1, 6), and (I_0^C)⁻¹."""
-    I_inv = sym6_inverse(load21(w.IC, 0))
+def base_generalized_jacobian(w: Work) -> Number:
+    """Columns of J_b* (27) as rows of `J_b_star` (n + 1, 6), and (I_0^C)⁻¹; return its smallest relative pivot."""
+    I_inv, pivot = sym6_inverse_and_pivot(load21(w.IC, 0))
     store21(w.base_inverse, 0, I_inv)
     for k in range(1, w.H_bm.shape[0]):
         store6(w.J_b_star, k, scale6(sym6_mul(I_inv, load6(w.H_bm, k)), -1.0))
+    return pivot
 
 
 @inlined
@@ -134,14 +151,18 @@ def manipulator_inertia(joints: Joints, w: Work) -> None:
 
 
 @inlined
-def generalized_inertia(joints: Joints, w: Work) -> None:
-    """H_m* = H_m − H_bmᵀ H_b⁻¹ H_bm = H_m + H_bmᵀ J_b* (7)."""
+def generalized_inertia(joints: Joints, w: Work) -> Number:
+    """H_m* = H_m − H_bmᵀ H_b⁻¹ H_bm = H_m + H_bmᵀ J_b* (7); return a number below one where no digit is left of it."""
     H = w.generalized_inertia
     for i in range(H.shape[0]):
         F = load6(w.H_bm, i + 1)
         for j in range(i + 1):
             H[i, j] = dot6(F, load6(w.J_b_star, j + 1))
     add_manipulator_inertia(joints, w, H)
+    excess = full_like(0.0, w.R[0, 0])
+    for i in range(H.shape[0]):
+        excess = minimum(excess, H[i, i] - NO_INERTIA * w.inertia_diagonal[i + 6, 0])
+    return 1.0 + 1e300 * excess  # no division for each joint; below zero for whatever is lost
 
 
 @inlined

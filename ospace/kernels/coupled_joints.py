@@ -29,9 +29,7 @@ def factorize(joints: Joints, w: Work) -> Number:
         pivot = H[j, j]
         for k in range(j):
             pivot = pivot - L[j, k] * L[j, k]
-        inertia = w.manipulator_inertia[j, j]
-        w.inertia_diagonal[j + 6, 0] = inertia
-        relative = relative_pivot(pivot, inertia)
+        relative = relative_pivot(pivot, w.inertia_diagonal[j + 6, 0])
         w.relative_pivot[joints.link_of[j], 0] = relative
         smallest = minimum(smallest, relative)
         L[j, j] = sqrt(pivot)

@@ -10,7 +10,7 @@ from ospace.kernels import composite_body, coupled_joints, points, pv_osimr, res
 from ospace.kernels.articulated_body import NO_INERTIA
 from ospace.kernels.jit.compile import Number, Row, Table, entry, inlined
 from ospace.kernels.jit.load_store import load7, load21, store21, unowned
-from ospace.kernels.jit.simd import absolute, full_like, maximum, sqrt, zeros
+from ospace.kernels.jit.simd import absolute, full_like, maximum, minimum, sqrt, zeros
 from ospace.kernels.kinematics import move_links, place_followers, place_links, sines_cosines
 from ospace.kernels.tree import (
     CONTINUOUS,
@@ -34,7 +34,7 @@ LINKS_STAND = 512
 NORMALIZED = 1024
 """Quaternions are at unit length to the last digit, as they are the second time."""
 COMPOSITE = FLOATING_BASE | MANIPULATOR_INERTIA | JOINT_BIAS | GENERALIZED_INERTIA | GENERALIZED_BIAS
-COUPLED_MOBILITY = FLOATING_BASE | MANIPULATOR_INERTIA | GENERALIZED_INERTIA
+COUPLED_MOBILITY = FLOATING_BASE | GENERALIZED_INERTIA
 """What Γ_e⁻¹ takes where joints mimic others; and μ, GENERALIZED_BIAS."""
 MOTION = BIAS | JOINT_BIAS | GENERALIZED_BIAS
 """What takes the links' twists and accelerations."""
@@ -177,7 +177,8 @@ def mobility(robot: Robot, w: Work, biased: bool) -> None:
     pv_osimr.begin(nodes, w)
     if biased:
         pv_osimr.initial_bias_forces(w, w.IA)
-    w.diagnostics[0, PIVOT] = pv_osimr.sweep_inward(robot.joints, nodes, w, biased)
+    smallest = pv_osimr.sweep_inward(robot.joints, nodes, w, biased)
+    w.diagnostics[0, PIVOT] = minimum(smallest, pv_osimr.invert_base(w))
     nonfinite = full_like(0.0, w.R[0, 0])
     if biased:
         pv_osimr.spread_bias(nodes, w)
@@ -229,17 +230,18 @@ def composite_bodies(robot: Robot, w: Work) -> None:
     if want & COMPOSITE == 0:
         return
     composite_body.compose(joints, w)
-    composite_body.base_generalized_jacobian(w)
+    pivot = composite_body.base_generalized_jacobian(w)
     composite_body.momentum(joints, w)
     composite_body.generalized_jacobian(robot, w)
     if want & MANIPULATOR_INERTIA:
         composite_body.manipulator_inertia(joints, w)
     if want & GENERALIZED_INERTIA:
-        composite_body.generalized_inertia(joints, w)
+        pivot = minimum(pivot, composite_body.generalized_inertia(joints, w))
     if want & (JOINT_BIAS | GENERALIZED_BIAS):
         composite_body.bias(joints, w)
         if want & GENERALIZED_BIAS:
             composite_body.generalized_bias(robot.nodes, w)
+    w.diagnostics[0, PIVOT] = minimum(w.diagnostics[0, PIVOT], pivot)
     note_composite(w, want)
 
 

@@ -60,7 +60,7 @@ from ospace.kernels.spatial import (
     scale3,
     scale6,
     sym6_add,
-    sym6_inverse,
+    sym6_inverse_and_pivot,
     sym6_mul,
     sym6_mul_angular,
     sym6_outer,
@@ -145,9 +145,16 @@ def sweep_inward(joints: Joints, nodes: Nodes, w: Work, biased: bool) -> Number:
 
 
 @inlined
+def invert_base(w: Work) -> Number:
+    """G_00 = (I_0^A)⁻¹; return the smallest relative pivot: a base beside which all it carries is heavy has none."""
+    inverse, pivot = sym6_inverse_and_pivot(load21(w.IA, 0))
+    store36(w.G, 0, sym6_to_mat(inverse))
+    return pivot
+
+
+@inlined
 def sweep_outward(nodes: Nodes, w: Work) -> None:
     """Spread the mobility of the base over the nodes."""
-    store36(w.G, 0, sym6_to_mat(sym6_inverse(load21(w.IA, 0))))
     for n in range(1, nodes.parent.size):
         h = nodes.parent[n]
         K = load36(w.K, n)
@@ -163,7 +170,7 @@ def sweep_outward(nodes: Nodes, w: Work) -> None:
 @inlined
 def spread_bias(nodes: Nodes, w: Work) -> None:
     """ẍ_e of the points when no force acts, to rows of `acceleration`; `y` becomes the nodes' own acceleration."""
-    store6(w.y, 0, scale6(sym6_mul(sym6_inverse(load21(w.IA, 0)), load6(w.p, 0)), -1.0))
+    store6(w.y, 0, scale6(mat6_mul(load36(w.G, 0), load6(w.p, 0)), -1.0))
     for n in range(1, nodes.parent.size):
         y = add6(load6(w.y, n), mat6_mul(load36(w.K, n), load6(w.y, nodes.parent[n])))
         store6(w.y, n, y)

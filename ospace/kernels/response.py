@@ -29,9 +29,7 @@ from ospace.kernels.spatial import (
     mul_mat6,
     scale6,
     sub6,
-    sym6_inverse,
     sym6_mul,
-    sym6_to_mat,
     unit36,
     zero6,
 )
@@ -44,7 +42,7 @@ def respond(robot: Robot, w: Work) -> None:
     """H⁻¹ J_eᵀ (nv, r)."""
     joints, nodes = robot.joints, robot.nodes
     store_pivots(joints, w)
-    I_inv = sym6_to_mat(sym6_inverse(load21(w.IA, 0)))
+    I_inv = load36(w.G, 0)
     for n in range(1, nodes.parent.size):
         e = nodes.point[n]
         if e < 0:

@@ -7,7 +7,7 @@ All quantities of a state stand in inertial axes, so that the paper's ᵢʰX bet
 from __future__ import annotations
 
 from ospace.kernels.jit.compile import Mat3, Mat6, Number, Row, Sym3, Sym6, Vec3, Vec6, inlined
-from ospace.kernels.jit.simd import full_like
+from ospace.kernels.jit.simd import full_like, maximum, minimum
 
 # -- three-dimensional ---------------------------------------------------------------------------------------
 
@@ -71,19 +71,29 @@ def sym3_to_mat(a: Sym3) -> Mat3:
 
 
 @inlined
+def sym3_factor(a: Sym3) -> Row:
+    """L D Lᵀ = a, as l_10, l_20, l_21, the three numbers of D⁻¹, and the smallest of D."""
+    i0 = 1.0 / a[0]
+    l10, l20 = a[1] * i0, a[3] * i0
+    d1 = a[2] - l10 * a[1]
+    i1 = 1.0 / d1
+    u = a[4] - l20 * a[1]
+    l21 = u * i1
+    d2 = a[5] - l20 * a[3] - l21 * u
+    return (l10, l20, l21, i0, i1, 1.0 / d2, minimum(minimum(a[0], d1), d2))
+
+
+@inlined
+def sym3_of_factor(f: Row) -> Sym3:
+    """Return L⁻ᵀ D⁻¹ L⁻¹."""
+    n, x = f[0] * f[2] - f[1], f[2] * f[5]
+    y = n * f[5]
+    return (f[3] + f[0] * f[0] * f[4] + n * y, -f[0] * f[4] - n * x, f[4] + f[2] * x, y, -x, f[5])
+
+
+@inlined
 def sym3_inverse(a: Sym3) -> Sym3:
-    c0 = a[2] * a[5] - a[4] * a[4]
-    c1 = a[3] * a[4] - a[1] * a[5]
-    c3 = a[1] * a[4] - a[2] * a[3]
-    k = 1.0 / (a[0] * c0 + a[1] * c1 + a[3] * c3)
-    return (
-        c0 * k,
-        c1 * k,
-        (a[0] * a[5] - a[3] * a[3]) * k,
-        c3 * k,
-        (a[1] * a[3] - a[0] * a[4]) * k,
-        (a[0] * a[2] - a[1] * a[1]) * k,
-    )
+    return sym3_of_factor(sym3_factor(a))
 
 
 @inlined
@@ -291,19 +301,36 @@ def sym6_to_mat(A: Sym6) -> Mat6:
 
 @inlined
 def sym6_inverse(A: Sym6) -> Sym6:
-    """A⁻¹ by blocks [M Hᵀ; H J]; of an inertia, the Schur complement of M is rotational, about the mass centre."""
-    H = (A[6], A[10], A[15], A[7], A[11], A[16], A[8], A[12], A[17])
-    M = sym3_inverse((A[0], A[1], A[2], A[3], A[4], A[5]))
-    T = mat3_mul(H, sym3_to_mat(M))
-    C = sym3_inverse(sym3_sub((A[9], A[13], A[14], A[18], A[19], A[20]), sym3_of_product(T, H)))
+    """A⁻¹."""
+    return sym6_inverse_and_pivot(A)[0]
+
+
+@inlined
+def sym6_inverse_and_pivot(A: Sym6) -> tuple[Sym6, Number]:
+    """A⁻¹ by blocks [M Hᵀ; H J], and 1/max_k A_kk A⁻¹_kk, the smallest pivot that any order of rows meets.
+
+    Of an inertia, the Schur complement of M = L D Lᵀ is rotational, about the mass centre. The pivot is that of A at
+    unit diagonal; it is not above zero where a pivot met on the way is not: A is singular then as far as digits tell.
+    """
+    m = sym3_factor(A[0:6])
+    w0, h1, h2 = (A[6], A[10], A[15]), (A[7], A[11], A[16]), (A[8], A[12], A[17])
+    w1 = sub3(h1, scale3(w0, m[0]))
+    w2 = sub3(sub3(h2, scale3(w0, m[1])), scale3(w1, m[2]))
+    t2 = scale3(w2, m[5])
+    t1 = sub3(scale3(w1, m[4]), scale3(t2, m[2]))
+    t0 = sub3(sub3(scale3(w0, m[3]), scale3(t1, m[0])), scale3(t2, m[1]))
+    W, V = w0 + w1 + w2, scale3(w0, m[3]) + scale3(w1, m[4]) + t2
+    c = sym3_factor(sym3_sub((A[9], A[13], A[14], A[18], A[19], A[20]), sym3_of_product(V, W)))
+    M, C, T = sym3_of_factor(m), sym3_of_factor(c), t0 + t1 + t2
     Q = mat3_mul(sym3_to_mat(C), T)
     N = sym3_of_product(mat3_transpose(T), mat3_transpose(Q))
-    return (
-        (M[0] + N[0], M[1] + N[1], M[2] + N[2], M[3] + N[3], M[4] + N[4], M[5] + N[5])
-        + (-Q[0], -Q[3], -Q[6], C[0])
-        + (-Q[1], -Q[4], -Q[7], C[1], C[2])
-        + (-Q[2], -Q[5], -Q[8], C[3], C[4], C[5])
+    B = (M[0] + N[0], M[1] + N[1], M[2] + N[2], M[3] + N[3], M[4] + N[4], M[5] + N[5])
+    linear = maximum(maximum(A[0] * B[0], A[2] * B[2]), A[5] * B[5])
+    angular = maximum(maximum(A[9] * C[0], A[14] * C[2]), A[20] * C[5])
+    inverse = (
+        B + (-Q[0], -Q[3], -Q[6], C[0]) + (-Q[1], -Q[4], -Q[7], C[1], C[2]) + (-Q[2], -Q[5], -Q[8], C[3], C[4], C[5])
     )
+    return inverse, minimum(1.0 / maximum(linear, angular), 1e300 * minimum(m[6], c[6]))
 
 
 @inlined

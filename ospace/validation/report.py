@@ -10,7 +10,6 @@ import numpy as np
 import pinocchio as pin
 
 import ospace
-from ospace.dynamics.joint_space import joint_space_dynamics
 from ospace.exceptions import OspaceError, SingularInertiaError
 from ospace.model.points import OperationalPoint, points_of
 from ospace.model.robot import SpaceRobot
@@ -101,7 +100,8 @@ def model_facts(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> ModelF
     kinds: dict[str, int] = {}
     for joint in list(model.joints)[2:]:
         kinds[_kind(joint)] = kinds.get(_kind(joint), 0) + 1
-    H_b = joint_space_dynamics(robot.state(robot.configuration())).base_inertia
+    upper = np.triu(pin.crba(model, model.createData(), robot.configuration())[:6, :6])  # of a singular base as well
+    H_b = upper + np.triu(upper, 1).T
     mass = robot.total_mass
     centre = np.array([H_b[5, 1], H_b[3, 2], H_b[4, 0]]) / mass
     about_centre = H_b[3:, 3:] - mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))
@@ -176,7 +176,11 @@ def check(
             rows.append(summary(name, "14", "Pinocchio", "yourdfpy", placed))
     except SingularInertiaError as error:
         message = "carries no inertia in a sampled state, so the joint-space inertia is singular to working precision"
-        findings.append(make_finding("singular-inertia", f"joint '{error.joint}'", message))
+        subject = f"joint '{error.joint}'"
+        if error.joint is None:
+            subject = f"link '{robot.description.root}'" if robot.description is not None else "base"
+            message = "the base has no inertia about some axis in a sampled state, beside that of what it carries"
+        findings.append(make_finding("singular-inertia", subject, message))
     except (OspaceError, np.linalg.LinAlgError) as error:
         findings.append(make_finding("not-computable", f"robot '{robot.name}'", str(error)))
     findings += extremes.findings(robot.name)

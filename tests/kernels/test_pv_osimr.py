@@ -18,6 +18,7 @@ def laid(request):
     pv_osimr.begin(laid.nodes, w)
     pv_osimr.initial_bias_forces(w, w.I)
     pv_osimr.sweep_inward(laid.joints, laid.nodes, w, True)
+    laid.base_pivot = pv_osimr.invert_base(w)
     return laid
 
 
@@ -34,6 +35,12 @@ def test_pivots_are_those_of_the_joints_with_all_further_out_free(laid):
     S, I = laid.w.S[last], full(laid.w.I[last])
     terms = S[:3] @ S[:3] * np.trace(I[:3, :3]) + S[3:] @ S[3:] * np.trace(I[3:, 3:])
     assert laid.w.relative_pivot[last, 0] == pytest.approx(H[-1, -1] / terms, rel=1e-10)
+
+
+def test_mobility_of_the_base_and_its_pivot(laid):
+    I = full(laid.w.IA[0])
+    close(laid.w.G[0].reshape(6, 6), np.linalg.inv(I))
+    assert laid.base_pivot == pytest.approx(1.0 / (np.diag(I) * np.diag(np.linalg.inv(I))).max(), rel=1e-9)
 
 
 def test_inverse_inertia(laid):

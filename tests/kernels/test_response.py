@@ -15,6 +15,7 @@ def laid(request):
     points.place_points(laid.nodes, w)
     pv_osimr.begin(laid.nodes, w)
     pv_osimr.sweep_inward(laid.joints, laid.nodes, w, False)
+    pv_osimr.invert_base(w)
     composite_body.compose(laid.joints, w)
     composite_body.base_generalized_jacobian(w)
     composite_body.momentum(laid.joints, w)

@@ -79,6 +79,27 @@ def test_symmetric(rng):
     close(sp.sym6_inverse(lower(A)), lower(np.linalg.inv(A)))
 
 
+@pytest.mark.parametrize("share", [1.0, 1e-3, 1e-8, 1e-12])
+def test_the_inverse_keeps_digits_as_far_as_its_pivot_says(rng, share):
+    """Two light directions among heavy ones: by cofactors all digits would go, as one divides by their product."""
+    axes = np.linalg.qr(rng.normal(size=(6, 6)))[0]
+    A = (axes * [1.0, 2.0, 3.0, 1.0, share, share]) @ axes.T
+    exact = (axes / [1.0, 2.0, 3.0, 1.0, share, share]) @ axes.T
+    inverse, pivot = sp.sym6_inverse_and_pivot(lower(A))
+    error = np.abs(full(inverse) - exact).max() / np.abs(exact).max()
+    np.testing.assert_allclose(pivot, 1.0 / (np.diag(A) * np.diag(exact)).max(), rtol=1e-2)
+    assert error < 1e-14 / pivot
+
+
+@pytest.mark.parametrize("left", [0.0, -1e-17, -1.0])
+@pytest.mark.parametrize("k", range(6))
+def test_the_pivot_of_what_is_not_positive_is_not_above_zero(k, left):
+    A = np.eye(6)
+    A[k, k] = left
+    with np.errstate(all="ignore"):
+        assert not sp.sym6_inverse_and_pivot(tuple(map(np.float64, lower(A))))[1] > 0.0
+
+
 def test_full(rng):
     K, u, w, p = rng.normal(size=(6, 6)), six(rng), six(rng), rng.normal(size=3)
     flat = tuple(K.ravel())

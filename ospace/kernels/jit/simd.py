@@ -162,13 +162,13 @@ def floor(x: Any) -> Any:
 
 
 def minimum(x: Any, y: Any) -> Any:
-    """The smaller of two."""
-    return np.minimum(x, y)
+    """The smaller of two; the other one of NaN."""
+    return np.fmin(x, y)
 
 
 def maximum(x: Any, y: Any) -> Any:
-    """The larger of two."""
-    return np.maximum(x, y)
+    """The larger of two; the other one of NaN."""
+    return np.fmax(x, y)
 
 
 @overload(sqrt, strict=False, jit_options=INLINED)

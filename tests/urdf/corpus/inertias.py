@@ -126,6 +126,19 @@ for moments in (
     variant(f"planar tensor {' '.join(moments)}", with_arm(inertial(moments=moments)), 0, "planar-tensor")
 variant("nearly a planar tensor", with_arm(inertial(moments=("1e-4", "2e-4", "0.3"))), 0, "inertia-triangle")
 variant("planar tensor alone", robot(link("base", inertial(moments=ALONE))), 1, "planar-tensor", "massless-base")
+FLAT = inertial("2", ("0", "0", "0.3"), origin="{}")
+LIMITED = UP + '<limit lower="-1" upper="1" effort="10" velocity="1"/>'
+ONE = robot(link("base", FLAT.format("0 0 0")), link("arm", FLAT.format("0.4 0 0")), joint(more=LIMITED))
+ELBOW = joint("elbow", "revolute", "arm", "fore", LIMITED, "0.8 0 0")
+TWO = ONE.replace("</robot>", link("fore", FLAT.format("0.4 0 0")) + ELBOW + "</robot>")
+variant("planar robot of one joint", ONE, 1, "planar-tensor", "singular-inertia")
+variant(
+    "planar robot of one joint, one link of it whole",
+    ONE.replace('xx="0" ', 'xx="0.2" ', 1).replace('yy="0" ', 'yy="0.2" ', 1),
+    0,
+    "planar-tensor",
+)
+variant("planar robot of two joints, in line at zero", TWO, 0, "planar-tensor")
 variant("rod", with_arm(inertial(moments=("0", "0.1", "0.1"))), 0)
 variant(
     "tensor about the origin",

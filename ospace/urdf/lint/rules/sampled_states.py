@@ -6,10 +6,13 @@ SAMPLED_STATES = (
     Rule(
         name="singular-inertia",
         severity="error",
-        summary="A joint carries no inertia in a sampled state.",
-        reason="H is singular: a body without inertia about its joint, such as a point mass on the axis, or two joints "
-        "about one axis with nothing between.",
-        remedy="Give the links beyond it mass and inertia, or make the joint fixed.",
+        summary="A joint carries no inertia in a sampled state, or the base has none about some axis, beside that of "
+        "what it carries.",
+        reason="H is singular to working precision: a body without inertia about its joint, such as a point mass on "
+        "the axis, two joints about one axis with nothing between, all masses on one line as with planar tensors, or a "
+        "base of grams under tonnes.",
+        remedy="Give the links beyond the joint mass and inertia, or make it fixed. Give the base three moments (--fix "
+        "does so for planar tensors), and choose the heaviest body as the root link.",
         example="two coaxial joints with a massless link between them",
     ),
     Rule(
