@@ -13,7 +13,6 @@ Inertias, forces and motions stand at the links' own origins, d_i away from the 
 
 from __future__ import annotations
 
-from ospace.kernels.articulated_body import NO_INERTIA
 from ospace.kernels.jit.compile import Number, Table, Vec6, inlined
 from ospace.kernels.jit.load_store import (
     add_to6,
@@ -50,6 +49,9 @@ from ospace.kernels.spatial import (
 )
 from ospace.kernels.tree import Joints, Nodes
 from ospace.kernels.workspace import Robot, Work
+
+CANCELLED = 1e-11
+"""Share of (H_m)_ii below which (H_m*)_ii is dominated by the round-off of what is subtracted."""
 
 
 @inlined
@@ -161,7 +163,7 @@ def generalized_inertia(joints: Joints, w: Work) -> Number:
     add_manipulator_inertia(joints, w, H)
     excess = full_like(0.0, w.R[0, 0])
     for i in range(H.shape[0]):
-        excess = minimum(excess, H[i, i] - NO_INERTIA * w.inertia_diagonal[i + 6, 0])
+        excess = minimum(excess, H[i, i] - CANCELLED * w.inertia_diagonal[i + 6, 0])
     return 1.0 + 1e300 * excess  # no division for each joint; below zero for whatever is lost
 
 
