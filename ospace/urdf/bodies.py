@@ -112,6 +112,24 @@ def quaternion_to_rpy(quaternion: tuple[float, ...]) -> Triple:
     return roll, math.atan2(2.0 * (w * y - x * z), level), yaw
 
 
+def plane_axes(normal: Triple) -> Floats:
+    """Return the directions along which a planar joint moves, and its normal, as columns in the joint's frame.
+
+    Of the axes x, y, z, cyclic, the one after that nearest to the normal becomes the first direction, as far as it lies
+    in the plane: y and z of a plane across x, z and x across y, x and y across z.
+
+    Returns
+    -------
+    (3, 3)
+        A rotation.
+    """
+    z = np.array(normal)
+    x = np.eye(3)[(int(np.argmax(np.abs(z))) + 1) % 3]
+    x = x - (x @ z) * z
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(z, x), z])
+
+
 def tensor_of(inertial: Inertial) -> Floats:
     """Return the tensor of an <inertial> as a matrix.
 

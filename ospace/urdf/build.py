@@ -18,8 +18,9 @@ import numpy as np
 import pinocchio as pin
 
 from ospace.kernels.tree import Floats
+from ospace.urdf.bodies import plane_axes
 from ospace.urdf.coupling import Following
-from ospace.urdf.description import Description, Inertial, Joint, Link, Pose, Triple
+from ospace.urdf.description import Description, Inertial, Joint, Link, Pose
 from ospace.urdf.errors import UrdfError
 from ospace.urdf.lint.findings import Finding, make_finding
 
@@ -95,24 +96,6 @@ def _parsed(xml: str, base: str | None) -> tuple[pin.Model | None, list[str]]:
     ):
         limits[np.abs(limits) == _LARGEST] *= np.inf
     return model, errors
-
-
-def plane_axes(normal: Triple) -> Floats:
-    """Return the directions along which a planar joint moves, and its normal, as columns in the joint's frame.
-
-    Of the axes x, y, z, cyclic, the one after that nearest to the normal becomes the first direction, as far as it lies
-    in the plane: y and z of a plane across x, z and x across y, x and y across z.
-
-    Returns
-    -------
-    (3, 3)
-        A rotation.
-    """
-    z = np.array(normal)
-    x = np.eye(3)[(int(np.argmax(np.abs(z))) + 1) % 3]
-    x = x - (x @ z) * z
-    x /= np.linalg.norm(x)
-    return np.column_stack([x, np.cross(z, x), z])
 
 
 def _turn_plane(model: pin.Model, j: int, axes: Floats) -> None:

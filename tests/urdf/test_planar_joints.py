@@ -11,7 +11,7 @@ from urdf.corpus.parts import LIMIT, inertial, joint, link, robot
 
 import ospace
 from ospace.urdf import build, parity, reader
-from ospace.urdf.bodies import bodies_of
+from ospace.urdf.bodies import bodies_of, plane_axes
 from ospace.validation import report
 
 TURNED = 'rpy="0.4 -0.2 0.7"'
@@ -52,7 +52,7 @@ def about(axis, angle):
 def expected(normal, moved):
     """Place all links in the base as the text of URDF has it, from (x, y, θ) of both joints and the hinge's angle."""
     (first, second, angle), turn = moved, pin.rpy.rpyToMatrix(0.4, -0.2, 0.7)
-    axes = build.plane_axes(normal)
+    axes = plane_axes(normal)
 
     def plane(x, y, theta):
         return pin.SE3(about(normal, theta), axes[:, :2] @ (x, y))
@@ -103,7 +103,7 @@ def test_all_quantities_agree(tmp_path, axis):
 
 @pytest.mark.parametrize("axis", NORMALS)
 def test_the_frame_of_a_plane_is_a_rotation_with_the_normal_for_z(axis):
-    axes = build.plane_axes(NORMALS[axis])
+    axes = plane_axes(NORMALS[axis])
     np.testing.assert_allclose(axes.T @ axes, np.eye(3), atol=1e-15)
     np.testing.assert_allclose(np.linalg.det(axes), 1.0, atol=1e-15)
     np.testing.assert_array_equal(axes[:, 2], NORMALS[axis])
@@ -118,7 +118,7 @@ def test_the_frame_of_a_plane_is_a_rotation_with_the_normal_for_z(axis):
     ],
 )
 def test_along_an_axis_the_plane_has_the_other_two_in_turn(normal, x, y):
-    np.testing.assert_array_equal(build.plane_axes(normal)[:, :2].T, [x, y])
+    np.testing.assert_array_equal(plane_axes(normal)[:, :2].T, [x, y])
 
 
 # -- the proof sees what goes wrong -----------------------------------------------------------------------------

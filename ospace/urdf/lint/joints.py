@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from ospace.urdf.build import plane_axes
+from ospace.urdf.bodies import plane_axes
 from ospace.urdf.description import Description, Joint, Limit
 from ospace.urdf.lint.findings import Finding, make_finding
 from ospace.urdf.no_limit import NEVER_REACHED
