@@ -38,12 +38,12 @@ from ospace.kernels.spatial import (
     dot6,
     force_from,
     inertia_from,
+    inertia_inverse_and_pivot,
     mass_centre,
     motion_at,
     rotate,
     scale6,
     sub3,
-    sym6_inverse_and_pivot,
     sym6_mul,
     zero6,
 )
@@ -104,7 +104,7 @@ def clear6(rows: Table) -> None:
 @inlined
 def base_generalized_jacobian(w: Work) -> Number:
     """Columns of J_b* (27) as rows of `J_b_star` (n + 1, 6), and (I_0^C)⁻¹; return its smallest relative pivot."""
-    I_inv, pivot = sym6_inverse_and_pivot(load21(w.IC, 0))
+    I_inv, pivot = inertia_inverse_and_pivot(load21(w.IC, 0))
     store21(w.base_inverse, 0, I_inv)
     for k in range(1, w.H_bm.shape[0]):
         store6(w.J_b_star, k, scale6(sym6_mul(I_inv, load6(w.H_bm, k)), -1.0))

@@ -300,17 +300,11 @@ def sym6_to_mat(A: Sym6) -> Mat6:
 
 
 @inlined
-def sym6_inverse(A: Sym6) -> Sym6:
-    """A⁻¹."""
-    return sym6_inverse_and_pivot(A)[0]
-
-
-@inlined
 def sym6_inverse_and_pivot(A: Sym6) -> tuple[Sym6, Number]:
     """A⁻¹ by blocks [M Hᵀ; H J], and 1/max_k A_kk A⁻¹_kk, the smallest pivot that any order of rows meets.
 
-    Of an inertia, the Schur complement of M = L D Lᵀ is rotational, about the mass centre. The pivot is that of A at
-    unit diagonal; it is not above zero where a pivot met on the way is not: A is singular then as far as digits tell.
+    The pivot is that of A at unit diagonal; it is not above zero where a pivot met on the way is not: A is singular
+    then as far as digits tell. M = L D Lᵀ: by cofactors two light directions beside a heavy one would lose all digits.
     """
     m = sym3_factor(A[0:6])
     w0, h1, h2 = (A[6], A[10], A[15]), (A[7], A[11], A[16]), (A[8], A[12], A[17])
@@ -319,18 +313,33 @@ def sym6_inverse_and_pivot(A: Sym6) -> tuple[Sym6, Number]:
     t2 = scale3(w2, m[5])
     t1 = sub3(scale3(w1, m[4]), scale3(t2, m[2]))
     t0 = sub3(sub3(scale3(w0, m[3]), scale3(t1, m[0])), scale3(t2, m[1]))
-    W, V = w0 + w1 + w2, scale3(w0, m[3]) + scale3(w1, m[4]) + t2
+    V = scale3(w0, m[3]) + scale3(w1, m[4]) + t2
+    return inverse_of_blocks(A, sym3_of_factor(m), m[6], w0 + w1 + w2, V, t0 + t1 + t2)
+
+
+@inlined
+def inertia_inverse_and_pivot(I: Sym6) -> tuple[Sym6, Number]:
+    """The same of the inertia of a rigid body, whose M is its mass: the Schur complement is about its mass centre."""
+    k, o = 1.0 / I[0], full_like(0.0, I[0])
+    H = (I[6], I[10], I[15], I[7], I[11], I[16], I[8], I[12], I[17])
+    T = scale3(H[0:3], k) + scale3(H[3:6], k) + scale3(H[6:9], k)
+    return inverse_of_blocks(I, (k, o, k, o, o, k), I[0], H, T, T)
+
+
+@inlined
+def inverse_of_blocks(A: Sym6, M_inv: Sym3, least: Number, W: Mat3, V: Mat3, T: Mat3) -> tuple[Sym6, Number]:
+    """Finish with C = J − V Wᵀ and T = H M⁻¹; `least` is the smallest pivot of M."""
     c = sym3_factor(sym3_sub((A[9], A[13], A[14], A[18], A[19], A[20]), sym3_of_product(V, W)))
-    M, C, T = sym3_of_factor(m), sym3_of_factor(c), t0 + t1 + t2
+    C = sym3_of_factor(c)
     Q = mat3_mul(sym3_to_mat(C), T)
     N = sym3_of_product(mat3_transpose(T), mat3_transpose(Q))
-    B = (M[0] + N[0], M[1] + N[1], M[2] + N[2], M[3] + N[3], M[4] + N[4], M[5] + N[5])
-    linear = maximum(maximum(A[0] * B[0], A[2] * B[2]), A[5] * B[5])
-    angular = maximum(maximum(A[9] * C[0], A[14] * C[2]), A[20] * C[5])
+    B = add3(M_inv[0:3], N[0:3]) + add3(M_inv[3:6], N[3:6])
     inverse = (
         B + (-Q[0], -Q[3], -Q[6], C[0]) + (-Q[1], -Q[4], -Q[7], C[1], C[2]) + (-Q[2], -Q[5], -Q[8], C[3], C[4], C[5])
     )
-    return inverse, minimum(1.0 / maximum(linear, angular), 1e300 * minimum(m[6], c[6]))
+    along = maximum(maximum(A[0] * B[0], A[2] * B[2]), A[5] * B[5])
+    about = maximum(maximum(A[9] * C[0], A[14] * C[2]), A[20] * C[5])
+    return inverse, minimum(1.0 / maximum(along, about), 1e300 * minimum(least, c[6]))
 
 
 @inlined

@@ -76,7 +76,7 @@ def test_symmetric(rng):
     close(sp.sym6_sub(lower(A), lower(B)), lower(A - B))
     close(sp.sym6_outer(s, k * s), lower(k * np.outer(s, s)))
     close(sp.sym6_to_mat(lower(A)), A)
-    close(sp.sym6_inverse(lower(A)), lower(np.linalg.inv(A)))
+    close(sp.sym6_inverse_and_pivot(lower(A))[0], lower(np.linalg.inv(A)))
 
 
 @pytest.mark.parametrize("share", [1.0, 1e-3, 1e-8, 1e-12])
@@ -89,6 +89,19 @@ def test_the_inverse_keeps_digits_as_far_as_its_pivot_says(rng, share):
     error = np.abs(full(inverse) - exact).max() / np.abs(exact).max()
     np.testing.assert_allclose(pivot, 1.0 / (np.diag(A) * np.diag(exact)).max(), rtol=1e-2)
     assert error < 1e-14 / pivot
+
+
+def test_the_inverse_of_a_rigid_body(rng):
+    mass, centre, I = 3.0, rng.normal(size=3), positive(rng, 3)
+    A = np.block(
+        [[mass * np.eye(3), -mass * skew(centre)], [mass * skew(centre), I + mass * skew(centre) @ skew(centre).T]]
+    )
+    inverse, pivot = sp.inertia_inverse_and_pivot(lower(A))
+    close(inverse, lower(np.linalg.inv(A)))
+    np.testing.assert_allclose(pivot, 1.0 / (np.diag(A) * np.diag(np.linalg.inv(A))).max(), rtol=1e-12)
+    rod = A - np.block([[np.zeros((3, 6))], [np.zeros((3, 3)), I]]) + np.diag([0.0, 0, 0, 1.0, 1.0, 0.0])
+    with np.errstate(all="ignore"):
+        assert not sp.inertia_inverse_and_pivot(tuple(map(np.float64, lower(rod))))[1] > 1e-15
 
 
 @pytest.mark.parametrize("left", [0.0, -1e-17, -1.0])
