@@ -18,6 +18,7 @@ from ospace.exceptions import OspaceError, closest
 from ospace.kernels.tree import Floats
 from ospace.model.joint_positions import ROUNDING, BoundedCoordinates, Position, from_q, to_q
 from ospace.model.layout import BASE_NQ, BASE_NV, Layout
+from ospace.model.mimic import FreeJoints, couplings_of
 from ospace.model.points import ROW_NAMES, Axes, OperationalPoint, parse_axes
 from ospace.model.state import State
 from ospace.urdf import reader
@@ -126,7 +127,8 @@ class SpaceRobot(Layout):
             The inertias make no physical sense.
         """
         _check_floating_base(model)
-        findings = inertia.check_model(model)
+        free = FreeJoints(model, couplings) if (couplings := couplings_of(model)) else None
+        findings = inertia.check_model(*((model, {}) if free is None else (free.model, free.followers)))
         if any_error(findings):
             raise UnsoundModelError(model.name, findings)
         return cls(pin.Model(model), findings)

@@ -96,13 +96,13 @@ def read_content(
     described = structure.order_joints(path, description, limits)
     description, of_base = structure.with_floating_base(described)
     structure.check_dof(path, description, limits)
-    bodies = bodies_of(description)
+    bodies, followers = bodies_of(description), {} if free_mimic else followings(description)
     findings += of_base
     findings += joints.check_joints(description)
     findings += mimicry.check_mimicry(description, free_mimic=free_mimic)
     # A link whose <inertial> cannot be read seems massless here: what follows from that is not reported.
     if not any(finding.code in _NO_INERTIAL for finding in findings):
-        findings += inertia.check_bodies(bodies)
+        findings += inertia.check_bodies(bodies, followers)
     findings += plausibility.check_links(description)
     findings += scale.check_scale(description, bodies)
     findings += meshes.check_meshes(description, path, package_dirs)
@@ -112,7 +112,7 @@ def read_content(
     parity.check_built(path, bodies, model)
     original, errors = build_original(content, described, has_free_flyer=description.root != described.root)
     built += parity.check_original(bodies, original, errors, findings)
-    if not free_mimic and (followers := followings(description)):
+    if followers:
         model = couple(model, followers)
     findings += built
     return Reading(description, by_severity(findings), None if any_error(built) else model)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from ospace.kernels.tree import Floats
 from ospace.urdf.bodies import Body, tensor_of
+from ospace.urdf.coupling import Following
 from ospace.urdf.description import Link
 from ospace.urdf.lint.findings import Finding, any_error, make_finding
 from ospace.urdf.lint.massless import Motion, motion_of, motions_of, new_rng, singular_joints
@@ -38,8 +39,8 @@ class MovingBody:
     """Whether its one link was checked already."""
 
 
-def check_bodies(bodies: Sequence[Body]) -> list[Finding]:
-    """Check each link, and each body that fixed joints make of several.
+def check_bodies(bodies: Sequence[Body], followers: Mapping[str, Following]) -> list[Finding]:
+    """Check each link, and each body that fixed joints make of several; `followers` are joints that follow others.
 
     Returns
     -------
@@ -67,11 +68,11 @@ def check_bodies(bodies: Sequence[Body]) -> list[Finding]:
     ]
     rng = new_rng()
     motions = [motion_of(body.joint, body.rotation, rng) for body in bodies if body.joint is not None]
-    return findings + _check_bodies(moving, motions, any_error(findings))
+    return findings + _check_bodies(moving, motions, followers, any_error(findings))
 
 
-def check_model(model: pin.Model) -> list[Finding]:
-    """Check the bodies of a Pinocchio model with a free-flyer.
+def check_model(model: pin.Model, followers: Mapping[str, Following]) -> list[Finding]:
+    """Check the bodies of a Pinocchio model with a free-flyer and free joints, of which `followers` follow others.
 
     Returns
     -------
@@ -85,13 +86,20 @@ def check_model(model: pin.Model) -> list[Finding]:
         moving.append(
             MovingBody(subject, link, str(model.names[j]), parent, inertia.mass, inertia.lever, inertia.inertia)
         )
-    return _check_bodies(moving, motions_of(model))
+    return _check_bodies(moving, motions_of(model), followers)
 
 
-def _check_bodies(bodies: Sequence[MovingBody], motions: Sequence[Motion], unsound: bool = False) -> list[Finding]:
+def _check_bodies(
+    bodies: Sequence[MovingBody],
+    motions: Sequence[Motion],
+    followers: Mapping[str, Following],
+    unsound: bool = False,
+) -> list[Finding]:
     findings: list[Finding] = []
     parents, masses = [body.parent for body in bodies], [body.mass for body in bodies]
     singular = set(singular_joints(parents, masses, [body.tensor for body in bodies], motions))
+    resisted = {_leader(bodies[k].joint, followers) for k in range(1, len(bodies)) if k not in singular} - {None}
+    singular = {k for k in singular if _leader(bodies[k].joint, followers) not in {*resisted, None}}
     for k, body in enumerate(bodies):
         if not body.known:
             findings += _check_tensor(body.subject, body.mass, body.centre, body.tensor, body.line)
@@ -109,6 +117,13 @@ def _check_bodies(bodies: Sequence[MovingBody], motions: Sequence[Motion], unsou
             message = f"the body on joint '{body.joint}' has no mass of its own"
             findings.append(make_finding("massless-link", f"link '{body.link}'", message, line=body.line))
     return findings
+
+
+def _leader(joint: str, followers: Mapping[str, Following]) -> str | None:
+    """Return the joint by whose rate another one moves: itself, or whom it follows; None where nothing moves it."""
+    if joint not in followers:
+        return joint
+    return followers[joint].leader if followers[joint].ratio else None
 
 
 def _check_base(base: MovingBody, *, alone: bool) -> Iterator[Finding]:

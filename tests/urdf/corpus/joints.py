@@ -131,6 +131,15 @@ variant(
     1,
     "mimic-unfit",
 )
+LIGHT = MIMIC.replace(link("hand"), '<link name="hand"/>')
+variant("mimic that moves no mass of its own", LIGHT, 0, infos=["massless-link", "mimic"])
+variant(
+    "mimic that moves no mass, and neither does its leader",
+    LIGHT.replace(link("arm"), '<link name="arm"/>'),
+    1,
+    "massless-subtree",
+    infos=["mimic"],
+)
 FLOATING = MIMIC.replace('"follow" type="revolute"', '"follow" type="floating"')
 variant("floating joint that mimics", FLOATING, 1, "mimic-unfit", "value-not-used")
 CONTINUOUS = MIMIC.replace('"hinge" type="revolute"', '"hinge" type="continuous"')
