@@ -19,7 +19,7 @@ def test_mutated_files_are_refused_or_sound(tmp_path, capfd, seed):
 
 def test_the_fuzzer_finds_a_reader_that_looks_away(tmp_path, monkeypatch):
     """Without the findings on inertias, robots with an indefinite H come through, and the fuzzer must see them."""
-    monkeypatch.setattr(inertia, "check_bodies", lambda bodies: [])
+    monkeypatch.setattr(inertia, "check_bodies", lambda bodies, followers: [])
     with pytest.raises(AssertionError, match=r"indefinite|negative diagonal|not finite"):
         fuzz.run(2000, 0, tmp_path)
 

@@ -210,7 +210,7 @@ def test_mass_that_is_not_finite():
     inertia = pin.Inertia.Random()
     inertia.lever = np.array([0.0, np.nan, 0.0])
     model.inertias[1] = inertia
-    (finding,) = inertias.check_model(model)
+    (finding,) = inertias.check_model(model, {})
     assert (finding.code, finding.severity) == ("inertia-not-finite", "error")
 
 
