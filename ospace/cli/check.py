@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ospace.cli import output
-from ospace.cli.console import buffered_console, buffered_text, plain
+from ospace.cli.console import buffered_console, buffered_text, plain, show_findings
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -27,9 +27,6 @@ _COLOURS = {
     "undecided": "yellow",
     "sound": "bold green",
     "unsound": "bold red",
-    "error": "bold red",
-    "warning": "yellow",
-    "info": "cyan",
 }
 _LIMITS = {
     "bytes": "bytes of the file",
@@ -75,6 +72,9 @@ def add_to(verbs: Any) -> None:
     verb.add_argument("--free-mimic", action="store_true", help="take joints that mimic others as independent ones")
     for name, what in _LIMITS.items():
         verb.add_argument(f"--max-{name}", metavar="N", type=_limit, help=f"{what} that are read at most")
+    verb.add_argument(
+        "--frames", action="store_true", help="list links, joints and their limits as a table, and check no dynamics"
+    )
     other = verb.add_mutually_exclusive_group()
     other.add_argument("--fix", metavar="OUT", help="write a repaired copy of URDF, and check nothing")
     other.add_argument("--explain", metavar="CODE", help="explain the code of a finding, and check nothing")
@@ -101,6 +101,8 @@ def _seed(text: str) -> int:
 
 def run(given: argparse.Namespace) -> tuple[int, str]:
     """Check; return the exit status and the text to print."""
+    if given.frames and (given.html or given.fix is not None or given.explain is not None):
+        given.refuse_usage("--frames lists what the file holds: give it without --html, --fix and --explain")
     for option in ("json", "html"):
         if getattr(given, option) and (given.fix is not None or given.explain is not None):
             given.refuse_usage(f"--{option} describes a check: give it without --fix and --explain")
@@ -110,6 +112,8 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
         return 0, explain.text(given.explain)
     if given.urdf is None:
         given.refuse_usage("give a URDF, or a code with --explain")
+    if given.frames:
+        return _frames(given)
     return _fix(given) if given.fix is not None else _check(given)
 
 
@@ -162,6 +166,18 @@ def _report(given: argparse.Namespace, file: Path, folders: Sequence[Path]) -> t
     return result, description
 
 
+def _frames(given: argparse.Namespace) -> tuple[int, str]:
+    """List what the file holds; its findings decide the status, and are counted."""
+    from ospace.cli import frames
+    from ospace.cli.main import EXIT_FINDINGS, find, package_dirs
+    from ospace.urdf import reader
+
+    folders = [Path(folder) for folder in package_dirs(given)]
+    reading = reader.read(find(given.urdf), package_dirs=folders, limits=_limits(given), free_mimic=given.free_mimic)
+    text = frames.document(reading) if given.json else frames.table(reading, given.urdf)
+    return EXIT_FINDINGS if reading.model is None else 0, text
+
+
 def _fix(given: argparse.Namespace) -> tuple[int, str]:
     from ospace.cli.main import EXIT_FINDINGS, find
     from ospace.urdf import reader, repair
@@ -205,12 +221,7 @@ def _show(console: Console, result: Report, urdf: str) -> None:
     if result.findings:
         if result.model is not None:
             console.print()
-        console.print("Findings", style="bold")
-        for finding in result.findings:
-            mark = f"[{_COLOURS.get(finding.severity, '')}]{finding.severity:8}[/]"
-            console.print(f"  {mark} {finding.code}: {plain(finding.place)}: {plain(finding.message)}")
-            if finding.severity != "info":
-                console.print(f"           {plain(finding.remedy)}")
+        show_findings(console, result.findings)
     if result.agreement:
         console.print()
         _show_agreement(console, result)

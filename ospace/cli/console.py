@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, cast
 
 from ospace.exceptions import printable
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+    from ospace.urdf.lint.findings import Finding
+
+SEVERITY_COLOURS = {"error": "bold red", "warning": "yellow", "info": "cyan"}
 
 
 def buffered_console(width: int, *, fits_terminal: bool = False) -> Console:
@@ -40,3 +45,13 @@ def plain(text: str) -> str:
     from rich.markup import escape
 
     return escape(printable(text))
+
+
+def show_findings(console: Console, findings: Sequence[Finding], title: str = "Findings") -> None:
+    """Show findings below a title, each with its remedy."""
+    console.print(plain(title), style="bold")
+    for finding in findings:
+        mark = f"[{SEVERITY_COLOURS.get(finding.severity, '')}]{finding.severity:8}[/]"
+        console.print(f"  {mark} {finding.code}: {plain(finding.place)}: {plain(finding.message)}")
+        if finding.severity != "info":
+            console.print(f"           {plain(finding.remedy)}")

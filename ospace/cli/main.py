@@ -17,7 +17,7 @@ import ospace
 from ospace.cli import output
 
 EXIT_FINDINGS, EXIT_USAGE, EXIT_INTERRUPTED = 1, 2, 130
-_VERBS = ("check", "view", "run", "plot", "bench")
+_VERBS = ("check", "compose", "view", "run", "plot", "bench", "list")
 # The matrices here are small: threads of the linear algebra would wait for each other longer than they work.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 

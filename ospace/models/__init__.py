@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import tomllib
 from pathlib import Path
 
 from ospace.exceptions import OspaceError, closest
@@ -31,6 +33,19 @@ def path(name: str) -> Path:
     return _folder() / f"{name}.urdf"
 
 
+def summary(name: str) -> str:
+    """Return what the robot called `name` is: the first sentence of its file's header, after the name.
+
+    Raises
+    ------
+    OspaceError
+        No robot of that name comes with ospace.
+    """
+    header = " ".join(path(name).read_text(encoding="utf-8").partition("-->")[0].split())
+    match = re.search(rf"{re.escape(name)}: (.*?)\. ", header)
+    return match[1] if match else ""
+
+
 def scenarios() -> list[str]:
     """Return the names that `scenario` knows."""
     return sorted(file.stem for file in (_folder() / "scenarios").glob("*.toml"))
@@ -49,3 +64,14 @@ def scenario(name: str) -> Path:
             f"'{name}' is neither a file nor a scenario that comes with ospace{closest(name, scenarios())}"
         )
     return _folder() / "scenarios" / f"{name}.toml"
+
+
+def scenario_summary(name: str) -> str:
+    """Return what the scenario called `name` shows: the name that its file gives it.
+
+    Raises
+    ------
+    OspaceError
+        No scenario of that name comes with ospace.
+    """
+    return str(tomllib.loads(scenario(name).read_text(encoding="utf-8")).get("name", ""))

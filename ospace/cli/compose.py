@@ -1,0 +1,242 @@
+"""``ospace compose BUS ARM…``: arms and payloads on a bus, as the URDF of one robot."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import textwrap
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+from ospace.cli import output
+from ospace.cli.console import buffered_console, buffered_text, plain, show_findings
+
+if TYPE_CHECKING:
+    from ospace.urdf.composition.compose import Composition, Part, PlacedPart
+
+_WIDTH = 80
+_PIPE_WIDTH = 200
+_NAME = 42  # characters of a part's source in the table
+_USAGE = """ospace compose BUS ARM [--at X,Y,Z] [--rpy R,P,Y] [--on LINK]
+                      [--prefix WORD] [--remove LINK]... [ARM ...]
+                      [--payload LINK BODY]... [--package-dir DIR]... --out FILE"""
+_ONCE = ("at", "rpy", "on", "prefix")
+_VALUES = {
+    "--payload": 2,
+    **dict.fromkeys(("--at", "--rpy", "--on", "--prefix", "--remove", "--out", "--package-dir"), 1),
+}
+"""Options, and how many words each takes."""
+
+
+def add_to(verbs: Any) -> None:
+    """Describe the verb to argparse."""
+    verb = verbs.add_parser(
+        "compose",
+        help="put arms and payloads on a bus, as one URDF",
+        usage=_USAGE,
+        allow_abbrev=False,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        description=textwrap.fill(
+            "Put arms on a bus and write the robot as one URDF. BUS and each ARM is a URDF, the name of a robot that "
+            "comes with ospace, box:1x1x0.8m,250kg, cylinder:RADIUSxLENGTHm,MASSkg, sphere:RADIUSm,MASSkg, or a mesh "
+            "with its mass or density: bus.stl,250kg or bus.stl,120kg/m3 (bus.stl,250kg,mm where it is drawn in "
+            "millimetres). --at, --rpy, --on, --prefix and --remove belong to the ARM that they follow. Of several "
+            "ARMs in a row each takes one of every option that follows, in the same order.",
+            _WIDTH,
+        )
+        + "\n\n"
+        + textwrap.fill(
+            "Exit status: 0 written, 1 written with findings of level error, 2 unreadable part, names that clash, "
+            "unwritable output or wrong usage, 130 interrupted.",
+            _WIDTH,
+        ),
+    )
+    verb.add_argument("--part", action=_InOrder, help=argparse.SUPPRESS)  # what `_marked` writes for BUS and ARM
+    verb.add_argument(
+        "--at", metavar="X,Y,Z", type=_metres, action=_InOrder, help="where the ARM's root stands, m (default: 0,0,0)"
+    )
+    verb.add_argument(
+        "--rpy",
+        metavar="R,P,Y",
+        type=_radians,
+        action=_InOrder,
+        help="its roll, pitch, yaw about fixed axes, rad; 0,90,0deg in degrees",
+    )
+    verb.add_argument(
+        "--on", metavar="LINK", action=_InOrder, help="link of a part before it, prefixed (default: the base)"
+    )
+    verb.add_argument("--prefix", metavar="WORD", action=_InOrder, help="comes before all names of the ARM: left_")
+    verb.add_argument(
+        "--remove",
+        metavar="LINK",
+        action=_InOrder,
+        help="leave out a link of BUS or ARM, as its file calls it, with all that it carries; of a stand below all "
+        "else only what is fixed to it; repeatable",
+    )
+    verb.add_argument(
+        "--payload",
+        metavar=("LINK", "BODY"),
+        nargs=2,
+        action="append",
+        default=[],
+        help="fix a body at the origin of a link: 5kg,0.1x0.1x0.1kgm2,0x0x0.2m (mass, principal moments, centre of "
+        "mass), box:0.3x0.2x0.2m,5kg, or a mesh; repeatable",
+    )
+    verb.add_argument("--out", metavar="FILE", type=output.file, required=True, help="the URDF to write")
+    verb.add_argument(
+        "--package-dir", metavar="DIR", action="append", default=[], help="where package:// names are looked up"
+    )
+    verb.set_defaults(run=run, refuse_usage=verb.error, words=[])
+    # argparse forgets in which order positional arguments and options came, and takes -0.5,0,0 for an option.
+    known = verb.parse_known_args
+    verb.parse_known_args = lambda words, *more: known(list(_marked(words)), *more)
+
+
+class _InOrder(argparse.Action):
+    """Keeps the order in which parts and their options were given."""
+
+    def __call__(self, parser: object, given: argparse.Namespace, values: object, option: str | None = None) -> None:
+        given.words = [*given.words, (self.dest, values)]
+
+
+def _marked(words: Sequence[str]) -> Iterator[str]:
+    """Write each word that belongs to no option as ``--part=WORD``, and each value behind its option's ``=``."""
+    left = list(words)
+    while left:
+        word = left.pop(0)
+        if not word.startswith("-"):
+            yield f"--part={word}"
+        elif _VALUES.get(word) == 1 and left and not left[0].startswith("--"):
+            yield f"{word}={left.pop(0)}"
+        else:
+            count = _VALUES.get(word, 0)
+            yield from (word, *left[:count])
+            del left[:count]
+
+
+def _metres(text: str) -> tuple[float, ...]:
+    return _three(text.removesuffix("m"), text, "0.5,0,0.4")
+
+
+def _radians(text: str) -> tuple[float, ...]:
+    degrees = text.endswith("deg")
+    values = _three(text.removesuffix("deg").removesuffix("rad"), text, "0,1.5708,0 or 0,90,0deg")
+    return tuple(map(math.radians, values)) if degrees else values
+
+
+def _three(text: str, given: str, example: str) -> tuple[float, ...]:
+    from ospace.urdf.numbers import NumberError, number
+
+    try:
+        values = tuple(number(word) for word in text.replace(",", " ").split())
+    except NumberError as error:
+        raise argparse.ArgumentTypeError(f"'{given}' {error}: write {example}") from None
+    if len(values) != 3:
+        raise argparse.ArgumentTypeError(f"'{given}' has {len(values)} numbers instead of 3: write {example}")
+    return values
+
+
+def run(given: argparse.Namespace) -> tuple[int, str]:
+    """Compose; return the exit status and the text to print."""
+    from ospace.cli.main import EXIT_FINDINGS, package_dirs
+    from ospace.urdf.composition.compose import compose
+
+    parts = _parts(given)
+    output.distinct([part.file for part in parts if part.file is not None], [given.out])
+    output.writable(given.out)
+    robot = compose(*parts, payloads=given.payload, out=given.out, package_dirs=package_dirs(given))
+    errors = any(finding.severity == "error" for finding in robot.findings)
+    return EXIT_FINDINGS if errors else 0, _text(robot, str(given.out))
+
+
+def _parts(given: argparse.Namespace) -> list[Part]:
+    """Read the parts; raises `SystemExit` with the usage where an option belongs to none, or not one to each."""
+    from ospace.cli.main import find
+    from ospace.urdf.composition.compose import Part
+    from ospace.urdf.composition.simple_body import is_simple_body
+
+    parts = []
+    for sources, options in _rows(given):
+        for k, text in enumerate(sources):
+            own = {key: options[key][k] for key in _ONCE if options[key]}
+            source = text if is_simple_body(text) else find(text)
+            parts.append(Part(source, **own, remove=tuple(options["remove"])))
+    if not parts:
+        given.refuse_usage("give a BUS: a URDF, or a body as box:1x1x0.8m,250kg")
+    return parts
+
+
+def _rows(given: argparse.Namespace) -> Iterator[tuple[list[str], dict[str, list[Any]]]]:
+    """Return the bus, and each row of arms, with the options that follow."""
+    rows: list[tuple[list[str], dict[str, list[Any]]]] = []
+    for key, value in given.words:
+        if key != "part":
+            if not rows:
+                given.refuse_usage(f"--{key} stands before BUS: write it behind the part that it belongs to")
+            rows[-1][1][key].append(value)
+        elif len(rows) < 2 or any(rows[-1][1].values()):
+            rows.append(([value], {option: [] for option in (*_ONCE, "remove")}))
+        else:
+            rows[-1][0].append(value)
+    for k, (sources, options) in enumerate(rows):
+        named = ", ".join(sources)
+        for option in _ONCE:
+            count = len(options[option])
+            if k == 0 and count:
+                given.refuse_usage(f"--{option} follows BUS, which stands on nothing: write it behind an ARM")
+            if count not in (0, len(sources)):
+                times, arms = ("once", "ARM") if count == 1 else (f"{count} times", "ARMs")
+                arms = "1 ARM" if len(sources) == 1 else f"{len(sources)} ARMs"
+                given.refuse_usage(f"--{option} is given {times} for {arms} ({named}): give one for each, behind it")
+        if options["remove"] and len(sources) > 1:
+            given.refuse_usage(
+                f"--remove follows {len(sources)} ARMs ({named}): write it right behind the one it is for"
+            )
+    return iter(rows)
+
+
+# -- what people read --------------------------------------------------------------------------------------------
+
+
+def _text(robot: Composition, out: str) -> str:
+    from ospace.validation.words import number, position
+
+    console = buffered_console(_PIPE_WIDTH, fits_terminal=True)
+    console.print(f"{'part':{_NAME}}  {'links':>6}  {'joints':>6}  {'mass kg':>10}", style="bold")
+    for part in robot.parts:
+        console.print(plain(_row(_short(part.source), len(part.links), part.moving, part.mass)))
+        for line in _placing(part):
+            for piece in textwrap.wrap(line, _WIDTH, initial_indent="  ", subsequent_indent="    "):
+                console.print(plain(piece))
+    links, moving = sum(len(part.links) for part in robot.parts), sum(part.moving for part in robot.parts)
+    console.print(_row("together", links, moving, robot.total_mass), style="bold")
+    console.print(f"centre of mass {position(robot.mass_centre.tolist())} m from '{plain(robot.base)}', joints at zero")
+    for about in (*robot.parts, None):
+        findings = [finding for finding in robot.findings if robot.part_of(finding) is about]
+        if findings:
+            console.print()
+            show_findings(console, findings, "Findings on " + ("the whole" if about is None else about.label))
+    counts = [sum(one.severity == level for one in robot.findings) for level in ("error", "warning")]
+    console.print(f"\nwrote {plain(out)}: {number(counts[0], 'error')}, {number(counts[1], 'warning')}")
+    return buffered_text(console)
+
+
+def _row(name: str, links: int, moving: int, mass: float) -> str:
+    return f"{name:{_NAME}}  {links:6}  {moving:6}  {mass:10.6g}"
+
+
+def _short(name: str) -> str:
+    return name if len(name) <= _NAME else f"{name[: _NAME - 1]}…"
+
+
+def _placing(part: PlacedPart) -> Iterator[str]:
+    """Return lines on where a part stands and what was made of it."""
+    from ospace.validation.words import position
+
+    prefix = f"{part.part.prefix} " if part.part.prefix else ""
+    if part.on:
+        yield f"{prefix}on {part.on} at {position(part.part.at)} m, rpy {position(part.part.rpy)} rad"
+    if part.removed:
+        yield f"without {', '.join(part.removed)}"
+    if part.note:
+        yield part.note

@@ -1,0 +1,412 @@
+"""From a bus, arms and payloads to the URDF of one robot; nothing that their files hold is lost on the way."""
+
+from __future__ import annotations
+
+import os
+import re
+from bisect import bisect
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from lxml import etree
+
+from ospace.checks import checked_vector
+from ospace.exceptions import OspaceError, closest, printable
+from ospace.files import replacing
+from ospace.kernels.tree import Floats
+from ospace.urdf import reader, source, structure
+from ospace.urdf.bodies import Body, bodies_of
+from ospace.urdf.composition.names import Look, add_prefix, declared, rename_materials
+from ospace.urdf.composition.simple_body import is_simple_body, mesh_file, simple_body
+from ospace.urdf.composition.tree import WORLD, Links, drop_world, mount, move_meshes, remove_branch
+from ospace.urdf.description import ZERO, Description, Triple
+from ospace.urdf.lint.findings import Finding
+from ospace.urdf.parse import has_quaternions, parse
+from ospace.urdf.source import Limits
+
+_SUBJECT = re.compile(r"(link|joint) '(.*?)'(?: with \d+ fixed to it)?", re.DOTALL)
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of a robot, and where it stands.
+
+    Attributes
+    ----------
+    source : path-like
+        A URDF, or a body in a few words: ``box:1x1x0.8m,250kg``, ``cylinder:``, ``sphere:``, ``body:``, or a mesh with
+        its mass or density, ``bus.stl,250kg``.
+    at, rpy : (3,)
+        Placement of its root's frame in that of the link `on`. m; roll, pitch, yaw about fixed axes, rad.
+    on : str, optional
+        Link that it is fixed to, by its name in the composed robot; the base without it.
+    prefix : str
+        Comes before its names of links, joints and all else.
+    remove : tuple of str
+        Links to leave out, by their names in the file, with all that they carry. Where nothing that has mass would be
+        left, the link is a stand: it goes, with what is fixed to it, and the arm on it stays.
+    name : str
+        Link of a body in a few words; ``bus`` for the first part, ``body`` for others without it.
+    """
+
+    source: str | os.PathLike[str]
+    at: Triple = ZERO
+    rpy: Triple = ZERO
+    on: str | None = None
+    prefix: str = ""
+    remove: tuple[str, ...] = ()
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.source, str | os.PathLike) or not os.fspath(self.source):
+            raise OspaceError(f"source {self.source!r}: give the path of a URDF, or a body as 'box:1x1x0.8m,250kg'")
+        for key in ("at", "rpy"):
+            object.__setattr__(
+                self, key, tuple(checked_vector(getattr(self, key), 3, f"{key} of {self.source}").tolist())
+            )
+        if not isinstance(self.prefix, str) or (self.prefix and not re.fullmatch(r"[^\s<>&\"']+", self.prefix)):
+            raise OspaceError(f"prefix {self.prefix!r}: give a word, such as 'left_'")
+        if isinstance(self.remove, str):
+            object.__setattr__(self, "remove", (self.remove,))
+
+    @property
+    def file(self) -> Path | None:
+        """Return the file that it is read from, a robot's or a mesh; None where there is none."""
+        text = os.fspath(self.source)
+        return mesh_file(text) if is_simple_body(text) else Path(text)
+
+
+@dataclass(frozen=True)
+class PlacedPart:
+    """A part as it stands in the robot.
+
+    Attributes
+    ----------
+    part : Part
+    robot : str
+        Name of the robot in its file.
+    on : str
+        The link that it is fixed to; empty for the first part.
+    links, joints : tuple of str
+        Their names in the composed robot.
+    moving : int
+        Joints that are not fixed.
+    mass : float
+        kg.
+    removed : tuple of str
+        Links that were left out, by their names in the file; `WORLD` among them where that was only a frame.
+    note : str
+        On a mesh: how large it is, and whether it is closed.
+    """
+
+    part: Part
+    robot: str
+    on: str
+    links: tuple[str, ...]
+    joints: tuple[str, ...]
+    moving: int
+    mass: float
+    removed: tuple[str, ...]
+    note: str
+
+    @property
+    def label(self) -> str:
+        """Return what it is called: its prefix, or else its source."""
+        return self.part.prefix or self.source
+
+    @property
+    def source(self) -> str:
+        """Return the name of its file without the folder; the words that describe a body."""
+        text = os.fspath(self.part.source)
+        file = self.part.file
+        return text if file is None else file.name + text.removeprefix(str(file))
+
+    @property
+    def comment(self) -> str:
+        """Return the comment that stands before it in the file."""
+        part = self.part
+        words = [f"'{self.robot}' of {os.fspath(part.source)}"]
+        if part.prefix:
+            words.append(f"prefix {part.prefix}")
+        if self.on:
+            words.append(f"on {self.on} at {_numbers(part.at)} m, rpy {_numbers(part.rpy)} rad")
+        if self.removed:
+            words.append(f"without {', '.join(self.removed)}")
+        return re.sub("-(?=-|$)", "- ", printable("; ".join(words)))
+
+
+@dataclass(frozen=True)
+class Composition:
+    """A robot of several parts.
+
+    Attributes
+    ----------
+    content : bytes
+        Its URDF.
+    parts : tuple of PlacedPart
+    findings : tuple of Finding
+        Of the whole, as `ospace check` has them; with an error among them no robot is made of the file.
+    total_mass : float
+        kg.
+    mass_centre : (3,)
+        Centre of mass in the frame of the base link, joints at zero. m.
+    base : str
+        The base link.
+    """
+
+    content: bytes
+    parts: tuple[PlacedPart, ...]
+    findings: tuple[Finding, ...]
+    total_mass: float
+    mass_centre: Floats
+    base: str
+
+    def part_of(self, finding: Finding) -> PlacedPart | None:
+        """Return the part that a finding is about; None where it is about the whole.
+
+        Returns
+        -------
+        PlacedPart or None
+        """
+        match = _SUBJECT.match(finding.subject)
+        if match:
+            key = "links" if match[1] == "link" else "joints"
+            return next((part for part in self.parts if match[2] in getattr(part, key)), None)
+        if finding.line is None:
+            return None
+        k = bisect(self._starts, finding.line) - 1
+        return self.parts[k] if k >= 0 else None
+
+    @property
+    def _starts(self) -> list[int]:
+        """Return the line in which each part starts."""
+        starts, at = list[int](), 0
+        for part in self.parts:
+            at = self.content.index(f"<!-- {part.comment} -->".encode(), at)
+            starts.append(self.content.count(b"\n", 0, at) + 1)
+        return starts
+
+
+class _Loaded(NamedTuple):
+    """A part's tree with comments, what it says, where its meshes are relative to, and what is to know of it."""
+
+    root: etree._Element
+    description: Description
+    folder: Path
+    note: str
+
+
+def compose(
+    bus: str | os.PathLike[str] | Part,
+    *parts: str | os.PathLike[str] | Part,
+    payloads: Iterable[tuple[str, str]] = (),
+    out: str | os.PathLike[str] | None = None,
+    package_dirs: Sequence[str | os.PathLike[str]] = (),
+) -> Composition:
+    """Put arms and payloads on a bus, and write the robot as one URDF.
+
+    A root link ``world`` of a part is left out where it is only a frame. Meshes stay where they are: relative paths
+    become relative to the folder of `out`. A comment says where each part comes from.
+
+    Parameters
+    ----------
+    bus : path-like or Part
+        The part whose root is the base: a URDF, a body in a few words, or a mesh with its mass.
+    parts : path-like or Part
+        What is fixed to it, or to a part that stands before.
+    payloads : iterable of (str, str)
+        A link, and a body that is fixed at its origin: mass, principal moments and centre of mass, as
+        ``"5kg,0.1x0.1x0.1kgm2,0x0x0.2m"``, or any other body.
+    out : path-like, optional
+        Where to write it; nothing is written without it. A file that is there is replaced.
+    package_dirs : sequence of path-like
+        Folders in which ``package://`` names of meshes are looked up.
+
+    Returns
+    -------
+    Composition
+
+    Raises
+    ------
+    UrdfError
+        A part cannot be read.
+    OspaceError
+        Parts share names, a link to mount on or to remove is not there, a body makes no sense, or `out` is a part.
+    """
+    given = [one if isinstance(one, Part) else Part(one) for one in (bus, *parts)]
+    given += _payloads(payloads)
+    first = given[0]
+    if first.on is not None or (first.at, first.rpy) != (ZERO, ZERO):
+        raise OspaceError(
+            f"{os.fspath(first.source)}: is the first part, which stands on nothing: leave out at, rpy and on"
+        )
+    path = Path("composed.urdf" if out is None else out)
+    _check_out(out, given)
+    robot = _Robot(path)
+    for part in given:
+        robot.add(part)
+    content = robot.content(path.stem)
+    reading = reader.read_content(path, content, package_dirs=[Path(folder) for folder in package_dirs])
+    mass, centre = _mass_centre(bodies_of(reading.description))
+    if out is not None:
+        with replacing(out) as file:
+            file.write_bytes(content)
+    return Composition(content, tuple(robot.parts), reading.findings, mass, centre, reading.description.root)
+
+
+def _payloads(payloads: Iterable[tuple[str, str]]) -> Iterator[Part]:
+    for k, (link, text) in enumerate(payloads, 1):
+        name = "payload" if k == 1 else f"payload_{k}"
+        yield Part(text if is_simple_body(text) else f"body:{text}", on=link, name=name)
+
+
+def _check_out(out: str | os.PathLike[str] | None, parts: Iterable[Part]) -> None:
+    for part in parts:
+        if out is not None and part.file is not None and os.path.realpath(part.file) == os.path.realpath(out):
+            raise OspaceError(printable(f"{os.fspath(out)}: is read as a part: give another name to write to"))
+
+
+class _Robot:
+    """The robot that grows part by part."""
+
+    def __init__(self, out: Path) -> None:
+        self.folder = out.parent
+        self.roots: list[etree._Element] = []
+        self.parts: list[PlacedPart] = []
+        self.declared: dict[tuple[str, str], Part] = {}
+        self.materials: dict[str, frozenset[Look]] = {}
+
+    def add(self, part: Part) -> None:
+        """Cut a part to what stays of it, give it its names, and mount it."""
+        is_base = not self.parts
+        loaded = _load(part, is_base)
+        root, tree = loaded.root, Links(loaded.root)
+        try:
+            removed = [name for branch in part.remove for name in remove_branch(tree, branch)]
+        except OspaceError as error:
+            raise OspaceError(printable(f"{os.fspath(part.source)}: {error}")) from None
+        leaving = drop_world(tree, loaded.description, is_base=is_base)
+        removed += [] if leaving is None else [WORLD]
+        mass = sum(link.inertial.mass for link in loaded.description.links if link.inertial and link.name in tree.links)
+        move_meshes(root, loaded.folder, self.folder)
+        if part.prefix:
+            add_prefix(root, part.prefix)
+        rename_materials(root, part.prefix, self.materials)
+        on = "" if is_base else self._mount_link(part)
+        if not is_base:
+            mount(Links(root), leaving, on, part.at, part.rpy)
+        self._declare(part, root)
+        tree = Links(root)
+        moving = sum(joint.get("type") != "fixed" for joint in tree.joints.values())
+        names = tuple(tree.links), tuple(tree.joints)
+        placed = PlacedPart(part, loaded.description.name, on, *names, moving, mass, tuple(removed), loaded.note)
+        self.roots.append(root)
+        self.parts.append(placed)
+
+    def _mount_link(self, part: Part) -> str:
+        known = [name for placed in self.parts for name in placed.links]
+        if part.on is None:
+            return Links(self.roots[0]).base
+        if part.on not in known:
+            where = f"{os.fspath(part.source)}: there is no link '{part.on}' to put it on among the parts before it"
+            raise OspaceError(printable(f"{where}{closest(part.on, known)}"))
+        return part.on
+
+    def _declare(self, part: Part, root: etree._Element) -> None:
+        """Raise `OspaceError` where names of a part are those of another."""
+        names = list(declared(root))
+        twice = [key for key in names if key in self.declared]
+        if twice:
+            tag, name = twice[0]
+            first, second = (os.fspath(one.source) for one in (self.declared[twice[0]], part))
+            more = f", and {len(twice) - 1} more names" if len(twice) > 1 else ""
+            remedy = "another prefix" if part.prefix else "a prefix"
+            stem = re.sub(r"\W+", "_", Path(second).stem) if not is_simple_body(second) else "second"
+            raise OspaceError(
+                printable(
+                    f"{tag} '{name}' is in both {first} and {second}{more}: give the second {remedy}, such as "
+                    f"--prefix {stem}_"
+                )
+            )
+        self.declared.update(dict.fromkeys(names, part))
+
+    def content(self, name: str) -> bytes:
+        """Write all parts into the <robot> of the first."""
+        whole = self.roots[0]
+        _unite_versions(self.roots, [part.part for part in self.parts])
+        whole.set("name", name)
+        for root, part in zip(self.roots, self.parts, strict=True):
+            start = etree.Comment(f" {part.comment} ")
+            start.tail = "\n  "
+            children = [start, *_before(root), *root]
+            if root is whole:
+                text = (root.text or "").strip()
+                whole.text = f"{text}\n  "
+                for k, child in enumerate(children):
+                    whole.insert(k, child)
+            else:
+                whole[-1].tail = f"{(whole[-1].tail or '').rstrip()}\n\n  "
+                start.tail = f"{(root.text or '').strip()}\n  "
+                whole.extend(children)
+        whole[-1].tail = f"{(whole[-1].tail or '').rstrip()}\n"
+        return bytes(etree.tostring(whole, encoding="utf-8", xml_declaration=True)) + b"\n"
+
+
+def _before(root: etree._Element) -> Sequence[etree._Element]:
+    """Return the comments that stand before <robot>, as licences do."""
+    comments = [one for one in root.itersiblings(preceding=True) if isinstance(one, etree._Comment)]
+    for comment in comments:
+        comment.tail = "\n  "
+    return comments[::-1]
+
+
+def _load(part: Part, is_base: bool) -> _Loaded:
+    text = os.fspath(part.source)
+    if is_simple_body(text):
+        body = simple_body(text, part.name or ("bus" if is_base else "body"))
+        path, content, folder, note = Path(text), body.urdf, Path(), body.note
+    else:
+        path, note = Path(text), ""
+        content, folder = source.read_file(path, Limits()), path.parent
+    limits = Limits()
+    root = source.parse(path, content, limits)
+    source.check_format(path, root)
+    structure.check_size(path, root, limits)
+    description, _ = parse(root, path.stem)
+    description = structure.order_joints(path, description, limits)
+    parser = etree.XMLParser(encoding="utf-8", resolve_entities=False, no_network=True, load_dtd=False)
+    return _Loaded(etree.fromstring(content, parser), description, folder, note)
+
+
+def _unite_versions(roots: Sequence[etree._Element], parts: Sequence[Part]) -> None:
+    """Declare the newest version of URDF that a part has; raises `OspaceError` where that would change another part."""
+    newest = max((str(root.get("version")) for root in roots if has_quaternions(root)), default="")
+    if not newest:
+        return
+    for root, part in zip(roots, parts, strict=True):
+        if not has_quaternions(root) and root.find(".//origin[@quat_xyzw]") is not None:
+            raise OspaceError(
+                printable(
+                    f"{os.fspath(part.source)}: has quat_xyzw, which its version of URDF does not use, and "
+                    f"version {newest} of another part does: write rpy, or version='{newest}' if it is meant"
+                )
+            )
+    roots[0].set("version", newest)
+
+
+def _numbers(values: Triple) -> str:
+    return " ".join(f"{value:g}" for value in values)
+
+
+def _mass_centre(bodies: Sequence[Body]) -> tuple[float, Floats]:
+    """Compute mass (kg) and centre of mass (m) of the bodies in the frame of the first, joints at zero."""
+    frames: list[tuple[Floats, Floats]] = []
+    for body in bodies:
+        R, p = frames[body.parent] if body.parent >= 0 else (np.eye(3), np.zeros(3))
+        frames.append((R @ body.rotation, R @ body.translation + p))
+    mass = sum(body.mass for body in bodies)
+    moment = sum((body.mass * (R @ body.centre + p) for body, (R, p) in zip(bodies, frames, strict=True)), np.zeros(3))
+    return mass, moment / mass if mass > 0.0 else np.zeros(3)

@@ -1,0 +1,226 @@
+"""Links and joints as the elements of a file, comments and all: branches are removed, the rest is mounted elsewhere."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+from lxml import etree
+
+from ospace.exceptions import OspaceError, closest, printable
+from ospace.urdf.bodies import placement, quaternion_to_rpy
+from ospace.urdf.composition.names import cut, foreign
+from ospace.urdf.description import Description, Pose, Triple
+
+WORLD = "world"
+_FIXED = ("fixed", "floating")  # a floating joint is the base's: on another robot the part is fixed by it
+_INDENT = "\n  "
+
+
+class Links:
+    """The tree of links below <robot>, which stays a tree as it is edited.
+
+    Attributes
+    ----------
+    root : etree._Element
+        The element <robot>.
+    links, joints : dict of str to etree._Element
+        By name.
+    """
+
+    def __init__(self, root: etree._Element) -> None:
+        self.root = root
+        self.links = {str(link.get("name")): link for link in root.iterchildren("link")}
+        self.joints = {str(joint.get("name")): joint for joint in root.iterchildren("joint")}
+
+    @property
+    def base(self) -> str:
+        """Return the name of the link that is the child of no joint."""
+        children = {end(joint, "child") for joint in self.joints.values()}
+        return next(name for name in self.links if name not in children)
+
+    def below(self, link: str) -> Iterator[etree._Element]:
+        """Return the joints that leave a link."""
+        return (joint for joint in self.joints.values() if end(joint, "parent") == link)
+
+    def branch(self, link: str) -> set[str]:
+        """Return a link and all that it carries."""
+        found, waiting = set[str](), [link]
+        while waiting:
+            name = waiting.pop()
+            found.add(name)
+            waiting += [end(joint, "child") for joint in self.below(name)]
+        return found
+
+    def moves(self, link: str) -> bool:
+        """Return whether a joint moves something in the branch of a link."""
+        branch = self.branch(link)
+        return any(joint.get("type") not in _FIXED for joint in self.joints.values() if end(joint, "parent") in branch)
+
+    def take_out(self, links: set[str]) -> None:
+        """Take links out, with the joints at either end of them, and what other programs have for these."""
+        joints = {name for name, joint in self.joints.items() if links & {end(joint, "parent"), end(joint, "child")}}
+        for name in links:
+            cut(self.links.pop(name))
+        for name in joints:
+            cut(self.joints.pop(name))
+        for name, joint in self.joints.items():
+            mimic = joint.find("mimic")
+            if mimic is not None and mimic.get("joint") in joints:
+                raise OspaceError(
+                    printable(
+                        f"joint '{name}' mimics '{mimic.get('joint')}', which would be removed: remove both or none"
+                    )
+                )
+        _forget(self.root, (links | joints) - self.links.keys() - self.joints.keys())
+
+
+def remove_branch(tree: Links, name: str) -> list[str]:
+    """Remove a link with all that it carries; where only the rest would have no mass, the link is a stand.
+
+    Of a stand goes all that is fixed to it and does not move, and the one arm that it carries stays.
+
+    Returns
+    -------
+    list of str
+        Names of links that were removed.
+
+    Raises
+    ------
+    OspaceError
+        There is no such link, or it is not clear what would stay.
+    """
+    if name not in tree.links:
+        raise OspaceError(printable(f"there is no link '{name}' to remove{closest(name, tree.links)}"))
+    gone = tree.branch(name)
+    if not any(tree.links[link].find("inertial") is not None for link in tree.links.keys() - gone):
+        arms = [
+            joint for joint in tree.below(name) if joint.get("type") not in _FIXED or tree.moves(end(joint, "child"))
+        ]
+        if len(arms) != 1:
+            what = "nothing" if not arms else "the parts " + ", ".join(f"'{end(arm, 'child')}'" for arm in arms)
+            raise OspaceError(printable(f"without link '{name}' there would be {what}: a part is one tree of links"))
+        if arms[0].get("type") not in _FIXED:
+            raise OspaceError(
+                printable(
+                    f"link '{name}' carries the moving joint '{arms[0].get('name')}', which would hang on nothing"
+                )
+            )
+        gone = set(tree.links) - tree.branch(end(arms[0], "child"))
+    names = [link for link in tree.links if link in gone]
+    tree.take_out(gone)
+    return names
+
+
+def drop_world(tree: Links, description: Description, *, is_base: bool) -> list[tuple[etree._Element, Pose]] | None:
+    """Take out a root link called ``world`` that is only a frame.
+
+    The robot that all stands on keeps it, unless it is one body that is fixed to the world or floats in it.
+
+    Returns
+    -------
+    list of (joint, Pose), or None
+        Joints that left it, which now lack a parent, and their poses; None where nothing was taken out.
+    """
+    link = tree.links.get(WORLD)
+    leaving = list(tree.below(WORLD))
+    if link is None or tree.base != WORLD or not leaving or list(link.iterchildren("visual", "collision")):
+        return None
+    inertial = description.link[WORLD].inertial
+    if inertial is not None and (inertial.mass, *inertial.tensor) != (0.0,) * 7:
+        return None
+    if is_base:
+        if len(leaving) > 1 or leaving[0].get("type") not in _FIXED:
+            return None
+        tree.take_out({WORLD})
+        return []
+    cut(tree.links.pop(WORLD))
+    _forget(tree.root, {WORLD} - tree.joints.keys())
+    return [(joint, description.joint[str(joint.get("name"))].pose) for joint in leaving]
+
+
+def mount(tree: Links, leaving: list[tuple[etree._Element, Pose]] | None, on: str, at: Triple, rpy: Triple) -> None:
+    """Put a part on the link `on`: by the joints that left its world, or else by a fixed joint of its own."""
+    if leaving is None:
+        base = tree.base
+        name = f"{base}_mount"
+        while name in tree.joints:
+            name += "_"
+        joint = etree.Element("joint", {"name": name, "type": "fixed"})
+        joint.text = joint.tail = _INDENT
+        for tag, link in (("parent", on), ("child", base)):
+            joint.append(etree.Element(tag, {"link": link}))
+        tree.root.append(joint)
+        tree.joints[name] = joint
+        leaving = [(joint, Pose())]
+    for joint, pose in leaving:
+        parent = joint.find("parent")
+        assert parent is not None  # as `structure.order_joints` saw
+        parent.set("link", on)
+        if joint.get("type") in _FIXED:
+            joint.set("type", "fixed")
+        _set_origin(joint, pose, at, rpy)
+
+
+def _set_origin(joint: etree._Element, pose: Pose, at: Triple, rpy: Triple) -> None:
+    if (*at, *rpy) == (0.0,) * 6:
+        return  # where it is, digit by digit
+    if (*pose.xyz, *pose.rpy) != (0.0,) * 6:
+        (R, p), (turn, shift) = placement(Pose(at, rpy)), placement(pose)
+        x, y, z = (R @ shift + p).tolist()
+        at, rpy = (x, y, z), quaternion_to_rpy(tuple(pin.Quaternion(R @ turn).coeffs().tolist()))
+    origin = joint.find("origin")
+    if origin is None:
+        origin = etree.Element("origin")
+        joint.insert(0, origin)
+    origin.attrib.pop("quat_xyzw", None)
+    origin.set("xyz", _joined(at))
+    origin.set("rpy", _joined(rpy))
+
+
+def move_meshes(root: etree._Element, folder: Path, out: Path) -> None:
+    """Write paths of meshes and textures, which are relative to `folder`, relative to `out`; packages stay."""
+    here, there = os.path.realpath(folder), os.path.realpath(out)
+    strange = {part for outer in foreign(root) for part in outer.iter(etree.Element)}
+    for element in root.iter("mesh", "texture"):
+        name = str(element.get("filename", ""))
+        scheme, _, rest = name.partition("://") if "://" in name else ("", "", name)
+        if element in strange or not rest or scheme not in ("", "file"):
+            continue
+        file = Path(here, rest)
+        path = os.path.relpath(os.path.join(os.path.realpath(file.parent), file.name), there)
+        element.set("filename", path if path != os.path.normpath(rest) else rest)
+
+
+def end(joint: etree._Element, which: str) -> str:
+    """Return the name of the link at an end of a joint, ``parent`` or ``child``."""
+    element = joint.find(which)
+    return "" if element is None else str(element.get("link", ""))
+
+
+def _forget(root: etree._Element, gone: Iterable[str]) -> None:
+    """Take out what elements of other programs have for links and joints that are gone."""
+    gone = set(gone)
+    for outer in list(foreign(root)):
+        if outer.get("reference") in gone:
+            cut(outer)
+            continue
+        joints = [part for part in outer.iter(etree.Element) if _local(part) in ("joint", "link") and part.get("name")]
+        left = [part for part in joints if part.get("name") not in gone]
+        if joints and not left:
+            cut(outer)
+            continue
+        for part in joints:
+            if part not in left and part is not outer:
+                cut(part)
+
+
+def _joined(values: Triple) -> str:
+    return " ".join(repr(float(np.float64(value)) + 0.0).removesuffix(".0") for value in values)
+
+
+def _local(element: etree._Element) -> str:
+    return etree.QName(element).localname
