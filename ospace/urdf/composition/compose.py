@@ -252,13 +252,19 @@ def compose(
     reading = reader.read_content(path, content, package_dirs=[Path(folder) for folder in package_dirs])
     mass, centre = _mass_centre(bodies_of(reading.description))
     if out is not None:
-        with replacing(out) as file:
-            file.write_bytes(content)
+        try:
+            with replacing(out) as file:
+                file.write_bytes(content)
+        except OSError as error:
+            raise OspaceError(printable(f"{os.fspath(out)}: cannot be written: {error.strerror}")) from None
     return Composition(content, tuple(robot.parts), reading.findings, mass, centre, reading.description.root)
 
 
 def _payloads(payloads: Iterable[tuple[str, str]]) -> Iterator[Part]:
-    for k, (link, text) in enumerate(payloads, 1):
+    for k, payload in enumerate(payloads, 1):
+        if not isinstance(payload, tuple | list) or [type(one) for one in payload] != [str, str]:
+            raise OspaceError(f"payload {payload!r}: give a link and a body, as ('hand', '5kg,0.1kgm2')")
+        link, text = payload
         name = "payload" if k == 1 else f"payload_{k}"
         yield Part(text if is_simple_body(text) else f"body:{text}", on=link, name=name)
 
@@ -278,6 +284,7 @@ class _Robot:
         self.parts: list[PlacedPart] = []
         self.declared: dict[tuple[str, str], Part] = {}
         self.materials: dict[str, frozenset[Look]] = {}
+        self.base = ""
 
     def add(self, part: Part) -> None:
         """Cut a part to what stays of it, give it its names, and mount it."""
@@ -288,8 +295,15 @@ class _Robot:
             removed = [name for branch in part.remove for name in remove_branch(tree, branch)]
         except OspaceError as error:
             raise OspaceError(printable(f"{os.fspath(part.source)}: {error}")) from None
+        floating = structure.with_floating_base(loaded.description)[0]
+        ground = [name for name in tree.links if name not in floating.link]
+        if ground and not is_base:  # what the part floats in; here it is fixed
+            tree.take_out(set(ground))
+            removed += ground
         leaving = drop_world(tree, loaded.description, is_base=is_base)
         removed += [] if leaving is None else [WORLD]
+        if is_base:
+            self.base = part.prefix + (floating.root if floating.root in tree.links else tree.base)
         mass = sum(link.inertial.mass for link in loaded.description.links if link.inertial and link.name in tree.links)
         move_meshes(root, loaded.folder, self.folder)
         if part.prefix:
@@ -309,7 +323,7 @@ class _Robot:
     def _mount_link(self, part: Part) -> str:
         known = [name for placed in self.parts for name in placed.links]
         if part.on is None:
-            return Links(self.roots[0]).base
+            return self.base
         if part.on not in known:
             where = f"{os.fspath(part.source)}: there is no link '{part.on}' to put it on among the parts before it"
             raise OspaceError(printable(f"{where}{closest(part.on, known)}"))
@@ -341,7 +355,7 @@ class _Robot:
         for root, part in zip(self.roots, self.parts, strict=True):
             start = etree.Comment(f" {part.comment} ")
             start.tail = "\n  "
-            children = [start, *_before(root), *root]
+            children = [start, *_outside(root, preceding=True), *root, *_outside(root, preceding=False)]
             if root is whole:
                 text = (root.text or "").strip()
                 whole.text = f"{text}\n  "
@@ -355,12 +369,12 @@ class _Robot:
         return bytes(etree.tostring(whole, encoding="utf-8", xml_declaration=True)) + b"\n"
 
 
-def _before(root: etree._Element) -> Sequence[etree._Element]:
-    """Return the comments that stand before <robot>, as licences do."""
-    comments = [one for one in root.itersiblings(preceding=True) if isinstance(one, etree._Comment)]
+def _outside(root: etree._Element, *, preceding: bool) -> Sequence[etree._Element]:
+    """Return the comments before or behind <robot>, as licences are, in their order."""
+    comments = [one for one in root.itersiblings(preceding=preceding) if isinstance(one, etree._Comment)]
     for comment in comments:
         comment.tail = "\n  "
-    return comments[::-1]
+    return comments[::-1] if preceding else comments
 
 
 def _load(part: Part, is_base: bool) -> _Loaded:

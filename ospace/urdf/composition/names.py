@@ -13,15 +13,16 @@ from ospace.urdf.parse import SCHEMA
 _NAMES = {"link": "name", "joint": "name", "parent": "link", "child": "link", "mimic": "joint"}
 """Elements of URDF, and their attribute that holds the name of a link or joint."""
 _DECLARING = {"actuator", "sensor", "gpio"}  # elements inside a foreign one that bear a name of their own
-_WORDS = {"type", "filename", "class", "plugin", "hardwareinterface"}  # attributes and elements that name no part
-_OF_OTHERS = {
-    "param",
+_WORDS = {
+    "type",
+    "filename",
+    "class",
     "plugin",
-    "command_interface",
-    "state_interface",
-    "property",
-    "arg",
-}  # their name is not the robot's
+    "hardwareinterface",
+    "role",
+}  # attributes and elements that name no part
+_OF_OTHERS = {"param", "plugin", "command_interface", "state_interface", "property", "arg"}
+"""Elements whose name is not one of the robot."""
 Look = tuple[str, tuple[tuple[str, str], ...]]
 """An element of a material, <color> or <texture>, with its attributes."""
 _SEPARATOR = re.compile(r"([\s,;]+)")

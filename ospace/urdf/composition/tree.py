@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from ospace.urdf.composition.names import cut, foreign
 from ospace.urdf.description import Description, Pose, Triple
 
 WORLD = "world"
-_FIXED = ("fixed", "floating")  # a floating joint is the base's: on another robot the part is fixed by it
+_FIXED = ("fixed", "floating")  # joints by which a stand may hold an arm: it is fixed to the robot in their place
 _INDENT = "\n  "
 
 
@@ -48,11 +49,14 @@ class Links:
 
     def branch(self, link: str) -> set[str]:
         """Return a link and all that it carries."""
+        children = defaultdict[str, list[str]](list)
+        for joint in self.joints.values():
+            children[end(joint, "parent")].append(end(joint, "child"))
         found, waiting = set[str](), [link]
         while waiting:
             name = waiting.pop()
             found.add(name)
-            waiting += [end(joint, "child") for joint in self.below(name)]
+            waiting += children[name]
         return found
 
     def moves(self, link: str) -> bool:
@@ -118,7 +122,7 @@ def remove_branch(tree: Links, name: str) -> list[str]:
 def drop_world(tree: Links, description: Description, *, is_base: bool) -> list[tuple[etree._Element, Pose]] | None:
     """Take out a root link called ``world`` that is only a frame.
 
-    The robot that all stands on keeps it, unless it is one body that is fixed to the world or floats in it.
+    The robot that all stands on keeps it, unless one link alone is fixed to it.
 
     Returns
     -------
@@ -133,7 +137,7 @@ def drop_world(tree: Links, description: Description, *, is_base: bool) -> list[
     if inertial is not None and (inertial.mass, *inertial.tensor) != (0.0,) * 7:
         return None
     if is_base:
-        if len(leaving) > 1 or leaving[0].get("type") not in _FIXED:
+        if len(leaving) > 1 or leaving[0].get("type") != "fixed":
             return None
         tree.take_out({WORLD})
         return []
@@ -160,8 +164,6 @@ def mount(tree: Links, leaving: list[tuple[etree._Element, Pose]] | None, on: st
         parent = joint.find("parent")
         assert parent is not None  # as `structure.order_joints` saw
         parent.set("link", on)
-        if joint.get("type") in _FIXED:
-            joint.set("type", "fixed")
         _set_origin(joint, pose, at, rpy)
 
 
