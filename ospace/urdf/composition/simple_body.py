@@ -113,11 +113,11 @@ def _of_shape(text: str, kind: str, items: _Items, name: str) -> SimpleBody:
         volume, moments = math.prod(size), (size @ size - size**2) / 12.0
         shape = f'<box size="{_joined(size)}"/>'
     elif kind == "cylinder":
-        radius, length = size
+        radius, length = size.tolist()
         volume, across = math.pi * radius**2 * length, (3.0 * radius**2 + length**2) / 12.0
         moments, shape = np.array([across, across, radius**2 / 2.0]), f'<cylinder radius="{radius}" length="{length}"/>'
     else:
-        (radius,) = size
+        (radius,) = size.tolist()
         volume, moments = 4.0 / 3.0 * math.pi * radius**3, np.full(3, 0.4 * radius**2)
         shape = f'<sphere radius="{radius}"/>'
     mass = _mass(text, kind, items, volume)
@@ -193,7 +193,7 @@ def _hull(file: Path, mesh: trimesh.Trimesh) -> trimesh.Trimesh:
 def _mass(text: str, kind: str, items: _Items, volume: float) -> float:
     if (items.mass is None) == (items.density is None):
         raise _error(text, kind, "it needs a mass in kg, or a density in kg/m3, not both")
-    mass = items.mass if items.mass is not None else items.density * volume  # type: ignore[operator]
+    mass = items.mass if items.mass is not None else float(items.density * volume)  # type: ignore[operator]
     if not 0.0 < mass <= LARGEST:
         raise _error(text, kind, f"its mass is {mass:g} kg")
     return mass
