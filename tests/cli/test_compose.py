@@ -181,7 +181,7 @@ def test_the_table_has_parts_places_masses_and_the_centre(here, capsys):
         "centre of mass 0.0574074, 0, 0.00185185 m from 'bus', joints at zero\n"
         "\n"
         "Findings on body:4kg\n"
-        "  info     point-mass: link 'payload', line 69: it has 4 kg and a tensor of zero, as of a point\n"
+        "  info     point-mass: link 'payload', line 25: 4 kg in one point: the tensor is zero\n"
         "\n"
         "wrote out.urdf: 0 errors, 0 warnings\n"
     )
