@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import math
+import re
+import shlex
+import shutil
+from pathlib import Path
 
+import pinocchio as pin
 import pytest
+import trimesh
 from lxml import etree
 from urdf.corpus.parts import ARM, joint, link, robot
 
 from ospace.cli.main import main
 
 BUS = "box:1x1x1m,100kg"
+UR5 = Path(pin.__file__).parents[4] / "share/example-robot-data/robots/ur_description/urdf/ur5_robot.urdf"
+DOCS = Path(__file__).parents[2] / "docs/compose.md"
 
 
 @pytest.fixture
@@ -222,3 +230,22 @@ def test_clashes_and_files_that_are_not_there_are_status_2(here, capsys):
         assert main(["compose", *words, "--out", "out.urdf"]) == 2
         assert said in capsys.readouterr().err
         assert not (here / "out.urdf").exists()
+
+
+def test_the_example_of_the_docs_prints_what_they_show(here, capsys):
+    shutil.copy(UR5, here)
+    page = DOCS.read_text(encoding="utf-8")
+    command, shown = re.search(
+        r"```text\n\$ (ospace compose (?:[^\n]*\\\n)*[^\n]*)\n(.*?)```", page, re.DOTALL
+    ).groups()
+    assert main(shlex.split(command.replace("\\\n", " "))[1:]) == 0
+    assert capsys.readouterr().out == shown
+
+
+@pytest.mark.parametrize("row", re.findall(r"^\| `(.*?)` \| .*", DOCS.read_text(encoding="utf-8"), re.MULTILINE))
+def test_words_of_the_docs_are_read(here, row):
+    if row.startswith("--"):
+        assert f"{row.split()[0]} " in DOCS.read_text(encoding="utf-8").partition("```")[0]
+        return
+    trimesh.creation.box((1, 1, 1)).export(here / "bus.stl")
+    assert main(["compose", BUS, "--payload", "bus", row, "--out", "out.urdf"]) == 0

@@ -186,11 +186,10 @@ def _set_origin(joint: etree._Element, pose: Pose, at: Triple, rpy: Triple) -> N
 def move_meshes(root: etree._Element, folder: Path, out: Path) -> None:
     """Write paths of meshes and textures, which are relative to `folder`, relative to `out`; packages stay."""
     here, there = os.path.realpath(folder), os.path.realpath(out)
-    strange = {part for outer in foreign(root) for part in outer.iter(etree.Element)}
     for element in root.iter("mesh", "texture"):
         name = str(element.get("filename", ""))
         scheme, _, rest = name.partition("://") if "://" in name else ("", "", name)
-        if element in strange or not rest or scheme not in ("", "file"):
+        if not rest or scheme not in ("", "file"):
             continue
         file = Path(here, rest)
         path = os.path.relpath(os.path.join(os.path.realpath(file.parent), file.name), there)
