@@ -7,6 +7,7 @@ import re
 from bisect import bisect
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
@@ -180,7 +181,7 @@ class Composition:
         k = bisect(self._starts, finding.line) - 1
         return self.parts[k] if k >= 0 else None
 
-    @property
+    @cached_property
     def _starts(self) -> list[int]:
         """Return the line in which each part starts."""
         starts, at = list[int](), 0
