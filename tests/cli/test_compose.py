@@ -146,7 +146,7 @@ def test_angles_in_radians_or_degrees(here, capsys, text, angles):
         ([BUS, "--payload", "bus"], "argument --payload: expected 2 arguments"),
     ],
 )
-def test_words_that_fit_nothing_are_told_with_the_usage(here, capsys, words, said):
+def test_words_that_fit_nothing_are_reported_with_the_usage(here, capsys, words, said):
     with pytest.raises(SystemExit) as end:
         main(["compose", *words, "--out", "out.urdf"])
     assert end.value.code == 2

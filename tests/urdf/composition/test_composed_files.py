@@ -17,7 +17,7 @@ def arm(tmp_path):
     return tmp_path / "arm.urdf"
 
 
-def test_the_composed_file_is_the_robot_that_was_told(arm, tmp_path):
+def test_the_composed_file_is_the_robot_that_was_reported(arm, tmp_path):
     out = tmp_path / "servicer.urdf"
     composed = compose(BUS, Part(arm, prefix="l_"), payloads=[("l_arm", "1kg"), ("l_arm", "box:1x1x1m,2kg")], out=out)
     assert out.read_bytes() == composed.content

@@ -101,11 +101,25 @@ def test_an_arm_on_a_bus_has_the_dynamics_of_pinocchios_appended_model(name, tmp
 
 
 @pytest.mark.parametrize("name", ARMS)
-def test_an_arm_on_a_bus_is_sound_but_for_what_its_own_file_has(name):
-    composed = compose(BUS, Part(DATA / ARMS[name], at=AT, rpy=RPY, prefix="left_"))
-    errors = [finding for finding in composed.findings if finding.severity == "error"]
-    assert {finding.code for finding in errors} <= {"mimic"}
-    assert all(composed.part_of(finding).part.prefix == "left_" for finding in errors)
+def test_an_arm_on_a_bus_is_sound_and_keeps_its_joints(name, tmp_path):
+    out = tmp_path / "out.urdf"
+    composed = compose(BUS, Part(DATA / ARMS[name], at=AT, rpy=RPY, prefix="left_"), out=out)
+    assert not [finding for finding in composed.findings if finding.severity == "error"]
+    alone, robot = ospace.SpaceRobot.from_urdf(DATA / ARMS[name]), ospace.SpaceRobot.from_urdf(out)
+    assert robot.rate_names == [f"left_{name}" for name in alone.rate_names]
+
+
+def test_a_finger_follows_the_other_on_the_bus_as_well(tmp_path):
+    out = tmp_path / "out.urdf"
+    compose(BUS, Part(DATA / ARMS["panda with gripper"], prefix="left_"), out=out)
+    robot = ospace.SpaceRobot.from_urdf(out)
+    free = ospace.SpaceRobot.from_urdf(out, free_mimic=True)
+    assert (robot.n_joints, free.n_joints) == (8, 9)
+    state = robot.state(robot.configuration({"left_panda_finger_joint1": 0.02}))
+    both = free.state(free.configuration({f"left_panda_finger_joint{k}": 0.02 for k in (1, 2)}))
+    for finger in ("left_panda_leftfinger", "left_panda_rightfinger"):
+        here, there = (one.placement(one.robot.point(finger)) for one in (state, both))
+        np.testing.assert_allclose(here.homogeneous, there.homogeneous, atol=1e-15)
 
 
 def test_two_arms_on_one_bus(tmp_path):
@@ -171,7 +185,7 @@ def test_baxters_torso_is_a_bus_once_its_arms_are_removed(tmp_path):
 
 
 @pytest.mark.parametrize("name", ARMS)
-def test_masses_and_centre_told_are_those_of_the_model(name, tmp_path):
+def test_masses_and_centre_reported_are_those_of_the_model(name, tmp_path):
     composed = compose(BUS, Part(DATA / ARMS[name], at=AT, rpy=RPY))
     model = robot_of(composed, tmp_path).model
     assert composed.total_mass == pytest.approx(pin.computeTotalMass(model), rel=AGREE)
