@@ -206,6 +206,7 @@ def compose(
     payloads: Iterable[tuple[str, str]] = (),
     out: str | os.PathLike[str] | None = None,
     package_dirs: Sequence[str | os.PathLike[str]] = (),
+    limits: Limits | None = None,
 ) -> Composition:
     """Put arms and payloads on a bus, and write the robot as one URDF.
 
@@ -225,6 +226,8 @@ def compose(
         Where to write it; nothing is written without it. A file that is there is replaced.
     package_dirs : sequence of path-like
         Folders in which ``package://`` names of meshes are looked up.
+    limits : ospace.Limits, optional
+        How large each part, and the robot, may be.
 
     Returns
     -------
@@ -244,13 +247,14 @@ def compose(
         raise OspaceError(
             f"{os.fspath(first.source)}: is the first part, which stands on nothing: leave out at, rpy and on"
         )
-    path = Path("composed.urdf" if out is None else out)
+    path, limits = Path("composed.urdf" if out is None else out), limits or Limits()
     _check_out(out, given)
-    robot = _Robot(path)
+    robot = _Robot(path, limits)
     for part in given:
         robot.add(part)
     content = robot.content(path.stem)
-    reading = reader.read_content(path, content, package_dirs=[Path(folder) for folder in package_dirs])
+    folders = [Path(folder) for folder in package_dirs]
+    reading = reader.read_content(path, content, package_dirs=folders, limits=limits)
     mass, centre = _mass_centre(bodies_of(reading.description))
     if out is not None:
         try:
@@ -279,8 +283,8 @@ def _check_out(out: str | os.PathLike[str] | None, parts: Iterable[Part]) -> Non
 class _Robot:
     """The robot that grows part by part."""
 
-    def __init__(self, out: Path) -> None:
-        self.folder = out.parent
+    def __init__(self, out: Path, limits: Limits) -> None:
+        self.folder, self.limits = out.parent, limits
         self.roots: list[etree._Element] = []
         self.parts: list[PlacedPart] = []
         self.declared: dict[tuple[str, str], Part] = {}
@@ -290,7 +294,7 @@ class _Robot:
     def add(self, part: Part) -> None:
         """Cut a part to what stays of it, give it its names, and mount it."""
         is_base = not self.parts
-        loaded = _load(part, is_base)
+        loaded = _load(part, is_base, self.limits)
         root, tree = loaded.root, Links(loaded.root)
         try:
             removed = [name for branch in part.remove for name in remove_branch(tree, branch)]
@@ -378,15 +382,14 @@ def _outside(root: etree._Element, *, preceding: bool) -> Sequence[etree._Elemen
     return comments[::-1] if preceding else comments
 
 
-def _load(part: Part, is_base: bool) -> _Loaded:
+def _load(part: Part, is_base: bool, limits: Limits) -> _Loaded:
     text = os.fspath(part.source)
     if is_simple_body(text):
         body = simple_body(text, part.name or ("bus" if is_base else "body"))
         path, content, folder, note = Path(text), body.urdf, Path(), body.note
     else:
         path, note = Path(text), ""
-        content, folder = source.read_file(path, Limits()), path.parent
-    limits = Limits()
+        content, folder = source.read_file(path, limits), path.parent
     root = source.parse(path, content, limits)
     source.check_format(path, root)
     structure.check_size(path, root, limits)

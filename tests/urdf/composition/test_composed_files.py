@@ -111,3 +111,11 @@ def test_a_link_to_mount_on_is_one_of_the_parts_before(arm):
 def test_arguments_that_make_no_sense_are_named(make, words):
     with pytest.raises(OspaceError, match=words):
         make()
+
+
+def test_limits_hold_for_each_part_and_for_the_whole(arm):
+    with pytest.raises(UrdfError, match=r"arm.urdf: .*--max-links"):
+        compose(BUS, arm, limits=ospace.Limits(links=1))
+    with pytest.raises(UrdfError, match=r"composed.urdf: .*--max-links"):
+        compose(BUS, arm, limits=ospace.Limits(links=2))
+    compose(BUS, arm, limits=ospace.Limits(links=3))
