@@ -21,6 +21,8 @@ _WIDTH = 120
 
 def add_to(verbs: Any) -> None:
     """Describe the verb to argparse."""
+    from ospace.cli.main import takes_xacro
+
     verb = verbs.add_parser(
         "bench",
         help="time ospace and Pinocchio side by side",
@@ -29,10 +31,15 @@ def add_to(verbs: Any) -> None:
         "or different numbers, 130 interrupted.",
     )
     verb.add_argument(
-        "urdf", metavar="URDF", nargs="?", default="chaser_24dof", help="a file, or a robot that comes with ospace"
+        "urdf",
+        metavar="URDF",
+        nargs="?",
+        default="chaser_24dof",
+        help="a URDF, a xacro with its NAME:=VALUE..., or a robot that comes with ospace",
     )
     verb.add_argument("--points", metavar="N", type=_count, help="at most N operational points at once (default: 6)")
     verb.add_argument("--seconds", metavar="S", type=_seconds, default=1.0, help="time for each row (default: 1)")
+    takes_xacro(verb)
     verb.add_argument("--free-mimic", action="store_true", help="release the coupling of mimic joints")
     verb.add_argument(
         "--codegen", action="store_true", help="also against C that CasADi generates; needs gcc, casadi, adam-robotics"
@@ -62,7 +69,8 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     """Measure; return the exit status and the text to print."""
     from ospace.benchmark import codegen, plot, report
     from ospace.cli import progress
-    from ospace.cli.main import EXIT_USAGE, find
+    from ospace.cli.main import EXIT_USAGE, find, package_dirs
+    from ospace.exceptions import OspaceError
     from ospace.extras import require
     from ospace.model.robot import SpaceRobot
 
@@ -71,9 +79,11 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     if given.codegen:
         codegen.require()
     file = find(given.urdf)
+    if given.codegen and file.suffix.lower() == ".xacro":
+        raise OspaceError(f"--codegen reads a URDF: write one with ospace check {file} --fix OUT")
     output.distinct([file], [given.plot])
     output.writable(given.plot)
-    robot = SpaceRobot.from_urdf(file, free_mimic=given.free_mimic)
+    robot = SpaceRobot.from_urdf(file, package_dirs(given), xacro_args=given.xacro_args, free_mimic=given.free_mimic)
     with progress.bar(given, "comparing results", 1):
         plan = report.prepare(robot, given.points, file if given.codegen else None)
     with progress.bar(given, "timing", plan.turns) as advance:

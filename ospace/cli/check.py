@@ -36,12 +36,16 @@ _LIMITS = {
     "text": "characters of an attribute",
     "links": "links",
     "dof": "degrees of freedom",
+    "seconds": "seconds to expand a xacro",
+    "memory": "bytes of memory to expand a xacro",
 }
 """Those of `ospace.Limits`, by their names."""
 
 
 def add_to(verbs: Any) -> None:
     """Describe the verb to argparse."""
+    from ospace.cli.main import takes_xacro
+
     verb = verbs.add_parser(
         "check",
         help="check a URDF and the dynamics computed from it",
@@ -50,7 +54,12 @@ def add_to(verbs: Any) -> None:
         "wrong usage, 130 interrupted. Where nothing is wrong and too few digits are left to vouch for every quantity, "
         "the verdict is undecided, with status 0.",
     )
-    verb.add_argument("urdf", metavar="URDF", nargs="?", help="a file, or the name of a robot that comes with ospace")
+    verb.add_argument(
+        "urdf",
+        metavar="URDF",
+        nargs="?",
+        help="a URDF, a xacro with its NAME:=VALUE..., or a robot that comes with ospace",
+    )
     verb.add_argument(
         "--point",
         metavar="FRAME",
@@ -66,12 +75,10 @@ def add_to(verbs: Any) -> None:
     verb.add_argument(
         "--html", metavar="FILE", type=output.file, help="write a report with the robot to look at: one file"
     )
-    verb.add_argument(
-        "--package-dir", metavar="DIR", action="append", default=[], help="where package:// names are looked up"
-    )
+    takes_xacro(verb)
     verb.add_argument("--free-mimic", action="store_true", help="take joints that mimic others as independent ones")
     for name, what in _LIMITS.items():
-        verb.add_argument(f"--max-{name}", metavar="N", type=_limit, help=f"{what} that are read at most")
+        verb.add_argument(f"--max-{name}", metavar="N", type=_limit, help=f"{what}, at most")
     verb.add_argument(
         "--frames", action="store_true", help="list links, joints and their limits as a table, and check no dynamics"
     )
@@ -152,7 +159,13 @@ def _report(given: argparse.Namespace, file: Path, folders: Sequence[Path]) -> t
     from ospace.urdf import reader
     from ospace.validation import report
 
-    reading = reader.read(file, package_dirs=folders, limits=_limits(given), free_mimic=given.free_mimic)
+    reading = reader.read(
+        file,
+        package_dirs=folders,
+        xacro_args=given.xacro_args,
+        limits=_limits(given),
+        free_mimic=given.free_mimic,
+    )
     description, findings = reading.description, reading.findings
     if reading.model is None:
         return report.Report(None, findings, seed=given.seed), description
@@ -179,17 +192,18 @@ def _frames(given: argparse.Namespace) -> tuple[int, str]:
 
 
 def _fix(given: argparse.Namespace) -> tuple[int, str]:
-    from ospace.cli.main import EXIT_FINDINGS, find
+    from ospace.cli.main import EXIT_FINDINGS, find, package_dirs
     from ospace.urdf import reader, repair
     from ospace.validation.words import number
 
     limits, out = _limits(given), Path(given.fix)
-    changes = repair.write(find(given.urdf), out, limits)
-    if not changes:
+    folders = [Path(folder) for folder in package_dirs(given)]
+    changes = repair.write(find(given.urdf), out, limits, package_dirs=folders, xacro_args=given.xacro_args)
+    if not out.exists():
         return 0, f"nothing to repair: {out} was not written\n"
     left = reader.read(out, limits=limits, free_mimic=given.free_mimic).findings
     errors = sum(finding.severity == "error" for finding in left)
-    lines = [str(change) for change in changes]
+    lines = [str(change) for change in changes] or ["nothing to repair"]
     lines.append(f"wrote {out}: {number(len(changes), 'change')}, {number(errors, 'error')} left")
     return EXIT_FINDINGS if errors else 0, "\n".join(lines) + "\n"
 

@@ -6,6 +6,7 @@ import argparse
 import importlib
 import io
 import os
+import re
 import signal
 import sys
 import warnings
@@ -18,6 +19,7 @@ from ospace.cli import output
 
 EXIT_FINDINGS, EXIT_USAGE, EXIT_INTERRUPTED = 1, 2, 130
 _VERBS = ("check", "compose", "view", "run", "plot", "bench", "list")
+_XACRO_VALUE = re.compile(r"([A-Za-z_]\w*):=(.*)", re.DOTALL)
 # The matrices here are small: threads of the linear algebra would wait for each other longer than they work.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -50,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with _interrupts() as (refuse_if_interrupted, clear_interrupt), warnings.catch_warnings():
             warnings.showwarning = lambda message, *where, **more: print(f"ospace: {message}", file=sys.stderr)
-            given = parser().parse_args(arguments)
+            given = _parsed(list(sys.argv[1:] if arguments is None else arguments))
             given.refuse_if_interrupted, given.clear_interrupt = refuse_if_interrupted, clear_interrupt
             status, text = given.run(given)
             refuse_if_interrupted()
@@ -64,6 +66,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         print(f"ospace: error: {error}", file=sys.stderr)
         return EXIT_USAGE
+
+
+def _parsed(arguments: list[str]) -> argparse.Namespace:
+    """Parse; arguments of a xacro, NAME:=VALUE, may stand anywhere, as for xacro itself."""
+    values = {match[1]: match[2] for match in map(_XACRO_VALUE.fullmatch, arguments) if match}
+    top = parser()
+    given = top.parse_args([argument for argument in arguments if not _XACRO_VALUE.fullmatch(argument)])
+    if values and "xacro_args" not in given:
+        name, value = next(iter(values.items()))
+        top.error(f"{name}:={value} is an argument of a xacro, which ospace {given.verb} does not read")
+    given.xacro_args = values
+    return given
+
+
+def takes_xacro(verb: argparse.ArgumentParser) -> None:
+    """Let the verb read a xacro: its arguments, and the folders of its packages."""
+    verb.set_defaults(xacro_args={})
+    verb.add_argument(
+        "--package-dir",
+        metavar="DIR",
+        action="append",
+        default=[],
+        help="where package:// names of meshes and $(find PACKAGE) of a xacro are looked up; repeatable",
+    )
 
 
 def find(text: str, *, scenario: bool = False) -> Path:

@@ -22,6 +22,8 @@ _WAIT = 0.2  # s
 
 def add_to(verbs: Any) -> None:
     """Describe the verb to argparse."""
+    from ospace.cli.main import takes_xacro
+
     verb = verbs.add_parser(
         "view",
         help="look at a robot in a browser",
@@ -30,7 +32,9 @@ def add_to(verbs: Any) -> None:
         "machine until Ctrl-C, unless --html or --screenshot writes a file. Exit status: 0 shown or written, 2 "
         "unreadable input, unwritable output or wrong usage, 130 interrupted before it was shown.",
     )
-    verb.add_argument("urdf", metavar="URDF", help="a file, or the name of a robot that comes with ospace")
+    verb.add_argument(
+        "urdf", metavar="URDF", help="a URDF, a xacro with its NAME:=VALUE..., or a robot that comes with ospace"
+    )
     verb.add_argument(
         "--point",
         metavar="FRAME",
@@ -62,9 +66,7 @@ def add_to(verbs: Any) -> None:
     verb.add_argument(
         "--port", metavar="N", type=_port, help="port to serve at (default: the first free one from 7000)"
     )
-    verb.add_argument(
-        "--package-dir", metavar="DIR", action="append", default=[], help="where package:// names are looked up"
-    )
+    takes_xacro(verb)
     verb.add_argument("--free-mimic", action="store_true", help="take joints that mimic others as independent ones")
     verb.set_defaults(run=run, refuse_usage=verb.error)
 
@@ -101,7 +103,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     file = find(given.urdf)
     output.distinct([file], [given.html, given.screenshot])
     output.writable(given.html, given.screenshot)
-    robot = SpaceRobot.from_urdf(file, package_dirs(given), free_mimic=given.free_mimic)
+    robot = SpaceRobot.from_urdf(file, package_dirs(given), xacro_args=given.xacro_args, free_mimic=given.free_mimic)
     q = robot.configuration({**robot.joint_positions(robot.neutral()), **_pose(given.pose, robot)})
     if beyond := robot.outside_limits(q):
         print(f"ospace: warning: --pose is outside limits: {excess_text(robot.model, beyond)}", file=sys.stderr)

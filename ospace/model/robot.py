@@ -79,17 +79,21 @@ class SpaceRobot(Layout):
         path: str | PathLike[str],
         package_dirs: Sequence[str | PathLike[str]] = (),
         *,
+        xacro_args: Mapping[str, str] | None = None,
         free_mimic: bool = False,
         limits: Limits | None = None,
     ) -> SpaceRobot:
-        """Read a robot from a URDF; its root link becomes the freely floating base.
+        """Read a robot from a URDF or xacro; its root link becomes the freely floating base.
 
         Parameters
         ----------
         path : path-like
-            The file.
+            The file; a xacro is one whose name ends in ``.xacro``.
         package_dirs : sequence of path-like
-            Folders in which ``package://`` mesh names are looked up; dynamics need none.
+            Folders in which ``package://`` mesh names are looked up, which dynamics do not need, and
+            ``$(find package)`` of a xacro.
+        xacro_args : mapping of str to str, optional
+            Values of the ``<xacro:arg>`` of a xacro.
         free_mimic : bool
             Take joints that mimic others as independent ones, with a warning each; else they follow these and have no
             coordinate of their own.
@@ -110,7 +114,7 @@ class SpaceRobot(Layout):
         if not isinstance(path, str | PathLike):
             raise OspaceError(f"path {path!r}: give the path of a URDF")
         file, folders = Path(path), [Path(folder) for folder in package_dirs]
-        reading = reader.read(file, package_dirs=folders, limits=limits, free_mimic=free_mimic)
+        reading = reader.read(file, package_dirs=folders, xacro_args=xacro_args, limits=limits, free_mimic=free_mimic)
         if reading.model is None:
             raise UnsoundModelError(reading.description.name, reading.findings)
         return cls(reading.model, reading.findings, source=file, description=reading.description, package_dirs=folders)

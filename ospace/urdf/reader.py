@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pinocchio as pin
 
 from ospace.exceptions import printable
-from ospace.urdf import parity, source, structure
+from ospace.urdf import parity, source, structure, xacro
 from ospace.urdf.bodies import bodies_of
 from ospace.urdf.build import build, build_original
 from ospace.urdf.coupling import couple, followings
 from ospace.urdf.description import Description
+from ospace.urdf.errors import UrdfError
 from ospace.urdf.lint import inertia, joints, meshes, mimicry, plausibility, scale
 from ospace.urdf.lint.findings import Finding, any_error, by_severity
 from ospace.urdf.parse import parse
@@ -41,15 +42,22 @@ class Reading:
 
 
 def read(
-    path: Path, *, package_dirs: Sequence[Path] = (), limits: Limits | None = None, free_mimic: bool = False
+    path: Path,
+    *,
+    package_dirs: Sequence[Path] = (),
+    xacro_args: Mapping[str, str] | None = None,
+    limits: Limits | None = None,
+    free_mimic: bool = False,
 ) -> Reading:
-    """Read the URDF at `path`.
+    """Read the URDF or xacro at `path`.
 
     Parameters
     ----------
     path : Path
     package_dirs : sequence of Path
-        Folders in which ``package://`` names of meshes are looked up.
+        Folders in which ``package://`` names of meshes are looked up, and ``$(find package)`` of a xacro.
+    xacro_args : mapping of str to str, optional
+        Values of the <xacro:arg> of a xacro.
     limits : Limits, optional
     free_mimic : bool
         Take joints that mimic others as independent, with a warning; else they follow these.
@@ -57,16 +65,21 @@ def read(
     Returns
     -------
     Reading
-        Description, findings, and the model unless a finding is an error.
+        Description, findings, and the model unless a finding is an error. Lines of a xacro are those of the files that
+        it is made of.
 
     Raises
     ------
     UrdfError
         The file cannot be read, is not a URDF, or its links do not form a tree.
     """
-    limits = limits or Limits()
-    content = source.read_file(path, limits)
-    return read_content(path, content, package_dirs=package_dirs, limits=limits, free_mimic=free_mimic)
+    text = xacro.read(path, package_dirs=package_dirs, arguments=xacro_args, limits=limits)
+    try:
+        reading = read_content(path, text.content, package_dirs=package_dirs, limits=limits, free_mimic=free_mimic)
+    except UrdfError as error:
+        raise text.locate_error(path, error) from None
+    findings = [*map(text.locate, reading.findings), *text.findings()]
+    return replace(reading, findings=by_severity(findings))
 
 
 def read_content(

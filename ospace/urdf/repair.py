@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -20,7 +20,7 @@ from lxml import etree
 
 from ospace.exceptions import OspaceError, printable
 from ospace.kernels.tree import Floats
-from ospace.urdf import reader, source
+from ospace.urdf import reader, source, xacro
 from ospace.urdf.lint.inertia import ROUNDED, classify_tensor
 from ospace.urdf.no_limit import stands_for_none
 from ospace.urdf.numbers import NumberError, has_space_around, numbers, without_space_around, words
@@ -66,8 +66,17 @@ class _Edit:
     text: str = ""
 
 
-def write(path: Path, out: Path, limits: Limits | None = None) -> list[Change]:
+def write(
+    path: Path,
+    out: Path,
+    limits: Limits | None = None,
+    *,
+    package_dirs: Sequence[Path] = (),
+    xacro_args: Mapping[str, str] | None = None,
+) -> list[Change]:
     """Write a repaired copy of `path` to `out`, and nothing where there is nothing to repair.
+
+    Of a xacro what it expands to is written, whether or not there is something to repair.
 
     Returns
     -------
@@ -82,9 +91,10 @@ def write(path: Path, out: Path, limits: Limits | None = None) -> list[Change]:
     """
     if os.path.lexists(out):
         raise OspaceError(f"{out}: exists already, and nothing is overwritten: give another name")
-    content, changes = repair_content(path, limits)
+    text = xacro.read(path, package_dirs=package_dirs, arguments=xacro_args, limits=limits)
+    content, changes = repair_content(path, text.content, limits)
     reader.read_content(path, content, limits=limits)  # nothing is written that could not be read again
-    if changes:
+    if changes or text.files:
         try:
             _write_new(out, content)
         except OSError as error:
@@ -103,8 +113,8 @@ def _write_new(out: Path, content: bytes) -> None:
             raise
 
 
-def repair_content(path: Path, limits: Limits | None = None) -> tuple[bytes, list[Change]]:
-    """Repair the content of the file at `path`, which stays as it is.
+def repair_content(path: Path, content: bytes, limits: Limits | None = None) -> tuple[bytes, list[Change]]:
+    """Repair `content`, that of the URDF at `path`.
 
     Returns
     -------
@@ -115,10 +125,9 @@ def repair_content(path: Path, limits: Limits | None = None) -> tuple[bytes, lis
     Raises
     ------
     UrdfError
-        The file cannot be read, or is not a URDF.
+        The content is not a URDF.
     """
     limits = limits or Limits()
-    content = source.read_file(path, limits)
     root = source.parse(path, content, limits)
     source.check_format(path, root)
     edits = [*_spaces(root), *_axes(root), *_quaternions(root), *_limits(root), *_tensors(root)]

@@ -61,6 +61,10 @@ class Limits:
     links : int
     dof : int
         Degrees of freedom, the base's six included.
+    seconds : int
+        Time to expand a xacro.
+    memory : int
+        Bytes of memory to expand a xacro.
     """
 
     bytes: int = 20_000_000
@@ -70,6 +74,8 @@ class Limits:
     nodes: int = 200_000
     links: int = 2000
     dof: int = 150
+    seconds: int = 30
+    memory: int = 1_000_000_000
 
 
 def read_file(path: Path, limits: Limits) -> bytes:

@@ -981,9 +981,16 @@ def test_a_robot_put_together_otherwise_is_found(monkeypatch, document):
     assert status == 1
 
 
+ENDLESS = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<link name="${max(range(10**12))}"/></robot>"""
+
+
 @pytest.mark.parametrize("limit", dataclasses.fields(ospace.Limits), ids=lambda limit: limit.name)
-def test_every_limit_has_an_option(limit, capsys):
+def test_every_limit_has_an_option(limit, tmp_path, capsys):
     name, value = str(ospace.models.path("target")), str(limit.default)
     assert main(["check", name, f"--max-{limit.name}", value, "--samples", "1"]) == 0
+    if limit.name in ("seconds", "memory"):
+        (tmp_path / "r.xacro").write_text(ENDLESS)
+        name = str(tmp_path / "r.xacro")
     smallest = main(["check", name, f"--max-{limit.name}", "1", "--samples", "1"])
     assert (smallest, f"--max-{limit.name}" in capsys.readouterr().err) == (2, True)

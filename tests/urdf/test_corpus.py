@@ -23,9 +23,9 @@ def compiled():
 
 
 @pytest.fixture
-def file(tmp_path, monkeypatch):
+def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    return tmp_path / "robot.urdf"
+    return tmp_path
 
 
 def test_the_corpus_is_large():
@@ -35,7 +35,8 @@ def test_the_corpus_is_large():
 
 
 @pytest.mark.parametrize("variant", VARIANTS, ids=lambda variant: variant.name)
-def test_a_variant_has_its_status_and_codes(file, capfd, variant):
+def test_a_variant_has_its_status_and_codes(folder, capfd, variant):
+    file = folder / variant.file
     file.write_bytes(variant.content)
     before = time.process_time()
     status = main(["check", str(file), "--json", "--samples", "1", *variant.options])

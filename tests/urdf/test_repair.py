@@ -71,7 +71,11 @@ def test_a_slightly_negative_moment_is_repaired(tmp_path):
     assert reading.model is not None
 
 
-@pytest.mark.parametrize("variant", [v for v in VARIANTS if v.status < 2 and not v.options], ids=lambda v: v.name)
+@pytest.mark.parametrize(
+    "variant",
+    [v for v in VARIANTS if v.status < 2 and not v.options and v.file.endswith(".urdf")],
+    ids=lambda v: v.name,
+)
 def test_what_is_repaired_is_clean_and_keeps_its_meaning(tmp_path, variant):
     before_content = variant.content
     content, changes, reading = fixed(tmp_path, before_content)
@@ -85,7 +89,7 @@ def test_what_is_repaired_is_clean_and_keeps_its_meaning(tmp_path, variant):
         block.size for block in difflib.SequenceMatcher(None, before, after, autojunk=False).get_matching_blocks()
     )
     assert kept >= len(before) - 10
-    assert repair.repair_content(tmp_path / ("out.urdf" if changes else "in.urdf"))[1] == []
+    assert repair.repair_content(tmp_path / "out.urdf", content)[1] == []
 
 
 @pytest.mark.parametrize("number", ["", "x", "1,5", "nan", " "])

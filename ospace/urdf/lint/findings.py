@@ -31,6 +31,8 @@ class Finding:
         Line of the file, counted from 1.
     value : str or None
         The value at fault, as the file has it.
+    file : str or None
+        Name of the file that the line is of, where a xacro includes it; None for the file itself.
     """
 
     code: str
@@ -40,6 +42,7 @@ class Finding:
     remedy: str
     line: int | None = None
     value: str | None = None
+    file: str | None = None
 
     def __str__(self) -> str:
         end = "" if self.message.endswith("?") else "."
@@ -48,7 +51,9 @@ class Finding:
     @property
     def place(self) -> str:
         """Return the subject, and its line where that is known."""
-        return self.subject if self.line is None else f"{self.subject}, line {self.line}"
+        if self.line is None:
+            return self.subject
+        return f"{self.subject}, line {self.line}" + (f" of {self.file}" if self.file else "")
 
     def as_dict(self) -> dict[str, Any]:
         """Return the fields by name."""

@@ -46,14 +46,15 @@ class Variant:
     codes: frozenset[str]
     infos: frozenset[str] = frozenset()
     options: tuple[str, ...] = field(default=())
+    file: str = "robot.urdf"
 
 
 VARIANTS: list[Variant] = []
 
 
-def variant(name, content, status, *codes, infos=(), options=()):
+def variant(name, content, status, *codes, infos=(), options=(), file="robot.urdf"):
     content = content if isinstance(content, bytes) else content.encode()
-    VARIANTS.append(Variant(name, content, status, frozenset(codes), frozenset(infos), tuple(options)))
+    VARIANTS.append(Variant(name, content, status, frozenset(codes), frozenset(infos), tuple(options), file))
 
 
 def with_arm(content, more=""):

@@ -131,6 +131,16 @@ ELEMENTS_AND_NUMBERS = (
         example="<robot>",
     ),
     Rule(
+        name="xacro-warning",
+        severity="warning",
+        summary="xacro warned while it expanded the file. An info where that cannot change the robot: an old name of a "
+        "function, or a property with the name of a constant.",
+        reason="A pattern of file names that matches none, or an attribute that is not used, can mean that a part of "
+        "the robot is missing.",
+        remedy="As the message says.",
+        example='<xacro:include filename="parts_*.xacro"/>',
+    ),
+    Rule(
         name="original-differs",
         severity="error",
         summary="Pinocchio reads another robot from the file as it stands: a mass, centre, inertia, placement, axis, "

@@ -99,6 +99,38 @@ FILES = (
         example='<mass value="${m}"/>',
     ),
     _refused(
+        name="xacro-failed",
+        summary="A xacro cannot be expanded: a macro, argument, property or file that is not there, or an expression "
+        "that cannot be computed.",
+        reason="Links and numbers are computed by its macros.",
+        remedy="As the message says. Arguments are given as name:=value, or from_urdf(…, xacro_args={'name': '1'}).",
+        example="<xacro:no_such_macro/>",
+    ),
+    _refused(
+        name="xacro-package",
+        summary="$(find package) of a xacro names a package that is not in the folders given.",
+        reason="Macros and numbers lie in it. No list of installed packages is looked at.",
+        remedy="Give the folder that holds the package: --package-dir DIR, from_urdf(path, [DIR]).",
+        example='<xacro:include filename="$(find gripper_description)/urdf/gripper.xacro"/>',
+    ),
+    _refused(
+        name="xacro-outside",
+        summary="A xacro reads a file outside its own package and the folders given, or does what no robot needs, as "
+        "writing a file or starting a program.",
+        reason="The expressions of a xacro are Python: who sends one could read or change anything.",
+        remedy="Give the folder with --package-dir where the file may read it; else look at what the file wants.",
+        example="${xacro.load_yaml('/etc/passwd')}",
+    ),
+    _refused(
+        name="xacro-exhausted",
+        summary="Expanding a xacro takes more than 30 s, 1 GB or the bytes of a file, or its macros call themselves "
+        "without end.",
+        reason="The largest robots take seconds and some ten megabytes; a macro that doubles itself takes all.",
+        remedy="Look for a macro that calls itself, or raise the limit: --max-seconds N, --max-memory N, "
+        "Limits(seconds=N, memory=N).",
+        example='<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>',
+    ),
+    _refused(
         name="second-robot",
         summary="A <robot> stands inside <robot>.",
         reason="Which of the two is meant is ambiguous; readers ignore the inner one.",
