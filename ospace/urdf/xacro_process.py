@@ -297,8 +297,16 @@ def _reason(causes: list[BaseException]) -> str:
             return f"argument '{text}' has no value: give {text}:=VALUE"
         if type(cause).__name__ == "SubstitutionException" and "environment variable" in text:
             return f"{text}: environment variables are not read, give the value in an argument"
-    said = [" ".join(str(cause).split()) for cause in causes]
+    said = [" ".join(_said(cause).split()) for cause in causes]
     return next((text for text in said if text and not text.startswith("<class")), type(causes[0]).__name__)
+
+
+def _said(error: BaseException) -> str:
+    """Return the text of an error; one of xacro also tells the cause, which its own text may hold already."""
+    own, cause = (str(error.args[0]) if error.args and error.args[0] else ""), str(getattr(error, "exc", None) or "")
+    if not hasattr(error, "suffix"):
+        return str(error)
+    return " ".join([own if own and not own.startswith("<class") else cause, str(error.suffix or "")])
 
 
 def _failure(error: Exception, expansion: _Expansion | None, gate: _Gate) -> dict[str, Any]:
