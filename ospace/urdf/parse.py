@@ -30,7 +30,7 @@ from ospace.urdf.numbers import (
     numbers,
     words,
 )
-from ospace.urdf.source import EXTENSIONS, line_of
+from ospace.urdf.source import EXTENSIONS, left_of_xacro, line_of
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 TOO_SHORT, OFF_UNIT = 1e-6, 1e-3
@@ -107,7 +107,7 @@ def parse(root: etree._Element, file_name: str) -> tuple[Description, list[Findi
     list of Finding
         Where one is an error, the value in its place does not matter.
     """
-    parser = _Parser()
+    parser = _Parser(root)
     name = parser.name(root, file_name)
     parser.version(root)
     parser.check_element(root, deep=False)
@@ -131,7 +131,8 @@ def has_quaternions(root: etree._Element) -> bool:
 class _Parser:
     """Gathers findings on the way; where one is an error, the value in its place does not matter."""
 
-    def __init__(self) -> None:
+    def __init__(self, root: etree._Element) -> None:
+        self.named = {tag: {element.get("name") for element in root.iterfind(tag)} for tag in ("link", "joint")}
         self.findings: list[Finding] = []
         self.count: Counter[str] = Counter()
         self.errors = 0
@@ -200,6 +201,8 @@ class _Parser:
     def _shapes(self, link: etree._Element) -> Iterator[Shape]:
         self.code = "visual-unreadable"
         for element in link.iterchildren("visual", "collision"):
+            if self._left_of_xacro(element):
+                continue
             before = self.count[self.code]
             material = element.find("material")
             colour = None if material is None else self._colour(material)
@@ -208,6 +211,13 @@ class _Parser:
                 self._report(self.code, f"<{shape.kind}> has a negative size", element, " ".join(map(str, shape.size)))
             if shape is not None and self.count[self.code] == before:
                 yield shape if colour is None else replace(shape, colour=colour)
+
+    def _left_of_xacro(self, element: etree._Element) -> bool:
+        """Report an element that cannot be drawn as xacro has not finished it."""
+        left = next(filter(None, map(left_of_xacro, element.iter(etree.Element))), "")
+        if left:
+            self._report("xacro-left-over", f"{left} in <{_tag(element)}> is left over from a xacro", element, left)
+        return bool(left)
 
     def _shape(self, element: etree._Element) -> Shape | None:
         role = cast(Literal["visual", "collision"], element.tag)
@@ -233,8 +243,9 @@ class _Parser:
     def material(self, element: etree._Element) -> None:
         """Look at a material that stands below <robot>."""
         self.subject, self.code = f"material '{element.get('name', '')}'", "visual-unreadable"
-        self.check_element(element)
-        self._colour(element)
+        if not self._left_of_xacro(element):
+            self.check_element(element)
+            self._colour(element)
 
     def _colour(self, material: etree._Element) -> Colour | None:
         """Return the colour of a material: its own, or that of the first of its name that has one."""
@@ -473,7 +484,7 @@ class _Parser:
             self._report_dynamics(element, of_robot=False)
         elif _local(element) == "include":
             self._report("unknown-element", f"{what}: no other file is included", element, name, "error")
-        elif any(_local(part).lower() in _BODIES for part in element.iter(etree.Element)):
+        elif any(map(self._defines_body, element.iter(etree.Element))):
             parts = "" if _local(element).lower() in _BODIES else " with links, joints or inertials in it"
             self._report("unknown-element", f"{what}{parts}, which is not read", element, name, "error")
         elif (
@@ -488,6 +499,22 @@ class _Parser:
             or (tag not in _DRAWN and _local(element).lower() in _DYNAMIC | _PLACING)
         ):
             self._unknown("unknown-element", what, _local(element), tag, element)
+
+    def _defines_body(self, element: etree._Element) -> bool:
+        """Return whether an element adds a link, joint or inertial to the robot, and does not only name one of it.
+
+        Groups of an SRDF and springs name links and joints. What has no parts and the name of one that is read names
+        that; a joint is nothing without its ends.
+        """
+        tag = _local(element).lower()
+        if tag not in _BODIES or tag == "inertial":
+            return tag in _BODIES
+        if any(True for _ in element.iterchildren(etree.Element)):
+            return True
+        name = element.get("name") or element.get(tag) or " ".join((element.text or "").split())
+        if tag == "joint" and name and "type" not in element.attrib:
+            return False
+        return name not in self.named[tag]
 
     def _report_dynamics(self, element: etree._Element, *, of_robot: bool) -> bool:
         """Report what of dynamics stands in an element that is not read, if anything does."""

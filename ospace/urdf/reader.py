@@ -9,14 +9,14 @@ from pathlib import Path
 import pinocchio as pin
 
 from ospace.exceptions import printable
-from ospace.urdf import parity, source, structure, xacro
+from ospace.urdf import encoding, parity, source, structure, xacro
 from ospace.urdf.bodies import bodies_of
 from ospace.urdf.build import build, build_original
 from ospace.urdf.coupling import couple, followings
 from ospace.urdf.description import Description
 from ospace.urdf.errors import UrdfError
 from ospace.urdf.lint import inertia, joints, meshes, mimicry, plausibility, scale
-from ospace.urdf.lint.findings import Finding, any_error, by_severity
+from ospace.urdf.lint.findings import Finding, any_error, by_severity, make_finding
 from ospace.urdf.parse import parse
 from ospace.urdf.source import Limits
 
@@ -102,10 +102,14 @@ def read_content(
         The content is not a URDF, or its links do not form a tree.
     """
     limits = limits or Limits()
-    root = source.parse(path, content, limits)
-    source.check_format(path, root)
+    text = encoding.decode(path, content)
+    root = source.parse(path, text.content, limits)
+    of_format = source.check_format(path, root)
     structure.check_size(path, root, limits)
     description, findings = parse(root, printable(path.stem))
+    findings += of_format
+    if text.is_declared_late:
+        findings.append(make_finding("declaration-late", "file", "blank lines stand before <?xml …?>", line=1))
     described = structure.order_joints(path, description, limits)
     description, of_base = structure.with_floating_base(described)
     structure.check_dof(path, description, limits)
@@ -123,7 +127,7 @@ def read_content(
         return Reading(description, by_severity(findings), None)
     model, built = build(path, description)
     parity.check_built(path, bodies, model)
-    original, errors = build_original(content, described, has_free_flyer=description.root != described.root)
+    original, errors = build_original(text.content, described, has_free_flyer=description.root != described.root)
     built += parity.check_original(bodies, original, errors, findings)
     if followers:
         model = couple(model, followers)

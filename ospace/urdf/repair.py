@@ -20,7 +20,7 @@ from lxml import etree
 
 from ospace.exceptions import OspaceError, printable
 from ospace.kernels.tree import Floats
-from ospace.urdf import reader, source, xacro
+from ospace.urdf import encoding, reader, source, xacro
 from ospace.urdf.lint.inertia import ROUNDED, classify_tensor
 from ospace.urdf.no_limit import stands_for_none
 from ospace.urdf.numbers import NumberError, has_space_around, numbers, without_space_around, words
@@ -128,10 +128,14 @@ def repair_content(path: Path, content: bytes, limits: Limits | None = None) -> 
         The content is not a URDF.
     """
     limits = limits or Limits()
-    root = source.parse(path, content, limits)
+    text = encoding.decode(path, content)
+    root = source.parse(path, text.content, limits)
     source.check_format(path, root)
     edits = [*_spaces(root), *_axes(root), *_quaternions(root), *_limits(root), *_tensors(root)]
-    return _edited(content, root, [edit for edit, _ in edits]), [change for _, change in edits]
+    changes = [change for _, change in edits]
+    if text.is_declared_late:
+        changes.append(Change("declaration-late", "file", 1, "the blank lines before <?xml …?> go"))
+    return text.restored(_edited(text.content, root, [edit for edit, _ in edits])), changes
 
 
 # -- what is repaired --------------------------------------------------------------------------------------------------

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import stat
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NoReturn
@@ -13,13 +14,20 @@ from xml.parsers import expat
 from lxml import etree
 
 from ospace.urdf.errors import UrdfError
+from ospace.urdf.lint.findings import Finding, make_finding
 
 _XACRO = "http://www.ros.org/wiki/xacro"
 _XACRO_VALUE = re.compile(r"\$\{|\$\((find|arg|env|optenv|anon|eval|dirname)\b")
 EXTENSIONS = {"gazebo", "sensor", "transmission", "ros2_control", "contact"}
 """Elements of other programs, which may hold anything."""
+DRAWN = {"visual", "collision", "material"}
+"""Elements of which neither link nor joint nor inertial can come."""
 _LAST_LINE = 65535  # libxml2 counts no further
-_UNEXPANDED = "is an unexpanded xacro: expand it first (xacro robot.xacro > robot.urdf)"
+_LEFT_OVER = (
+    "is left over from a xacro: expand the file with its macros, as is done where its name ends in .xacro, or delete it"
+)
+_UNDECLARED = "undeclared"  # the namespace of all prefixes that are not declared
+_MOST_PREFIXES = 5  # that a message names
 _FORMATS = {
     "sdf": "an SDF file",
     "mujoco": "an MJCF file of MuJoCo",
@@ -27,18 +35,6 @@ _FORMATS = {
     "html": "an HTML page",
     "collada": "a COLLADA mesh",
 }
-_MAGIC = {
-    b"\x1f\x8b": "is compressed with gzip",
-    b"PK\x03\x04": "is a zip archive",
-    b"BZh": "is compressed with bzip2",
-    b"\xfd7zXZ": "is compressed with xz",
-    b"\xff\xfe": "is UTF-16 text",
-    b"\xfe\xff": "is UTF-16 text",
-    b"<\x00": "is UTF-16 text",
-    b"\x00<": "is UTF-16 text",
-}
-
-
 _DEEPEST, _LONGEST = 256, 10_000_000  # libxml2's own bounds on depth and on the characters of one text
 
 
@@ -79,7 +75,7 @@ class Limits:
 
 
 def read_file(path: Path, limits: Limits) -> bytes:
-    """Read the file: regular, not too large, UTF-8 text.
+    """Read the file: regular, and not too large.
 
     Returns
     -------
@@ -88,7 +84,7 @@ def read_file(path: Path, limits: Limits) -> bytes:
     Raises
     ------
     UrdfError
-        The file is missing, not a regular file, larger than `limits.bytes`, not UTF-8 text, or cannot be read.
+        The file is missing, not a regular file, larger than `limits.bytes`, or cannot be read.
     """
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # a FIFO would wait for its writer
@@ -99,7 +95,7 @@ def read_file(path: Path, limits: Limits) -> bytes:
             if status.st_size > limits.bytes:
                 reason = f"has {status.st_size} bytes; at most {limits.bytes} are read (--max-bytes)"
                 raise UrdfError(path, reason, "too-large")
-            content = file.read(status.st_size)
+            return file.read(status.st_size)
     except FileNotFoundError:
         raise UrdfError(path, "no such file", "no-file") from None
     except IsADirectoryError:
@@ -108,23 +104,6 @@ def read_file(path: Path, limits: Limits) -> bytes:
         if os.path.exists(path) and not os.path.isfile(path):  # a socket or a device, which cannot even be opened
             raise UrdfError(path, "is not a regular file: give a URDF file", "no-regular-file") from None
         raise UrdfError(path, f"cannot be read: {error}", "unreadable-file") from None
-    _check_text(path, content)
-    return content
-
-
-def _check_text(path: Path, content: bytes) -> None:
-    for magic, what in _MAGIC.items():
-        if content.startswith(magic):
-            raise UrdfError(path, f"{what}: give a URDF in UTF-8", "not-text")
-    where = content.find(b"\0")
-    if where >= 0:
-        raise UrdfError(path, "has a NUL byte: it is not text", "not-text", content.count(b"\n", 0, where) + 1)
-    try:
-        content.decode("utf-8")
-    except UnicodeDecodeError as error:
-        line = content.count(b"\n", 0, error.start) + 1
-        reason = f"has the byte 0x{content[error.start]:02x}, which is not UTF-8: convert the file"
-        raise UrdfError(path, reason, "not-text", line) from None
 
 
 def parse(path: Path, content: bytes, limits: Limits) -> etree._Element:
@@ -150,11 +129,15 @@ def parse(path: Path, content: bytes, limits: Limits) -> etree._Element:
         huge_tree=limits.depth > _DEEPEST or limits.text > _LONGEST,  # past what libxml2 allows otherwise
         remove_comments=True,
         remove_pis=True,
+        recover=True,  # from prefixes that are not declared, and nothing else
     )
     try:
         root = etree.fromstring(content, parser)
     except etree.XMLSyntaxError as error:
         raise UrdfError(path, f"is not well-formed XML: {error.msg}", "not-xml", error.lineno or None) from None
+    for problem in parser.error_log:
+        if problem.type != etree.ErrorTypes.NS_ERR_UNDEFINED_NAMESPACE:
+            raise UrdfError(path, f"is not well-formed XML: {problem.message}", "not-xml", problem.line or None)
     for element, line in zip(root.iter(etree.Element), scan.lines, strict=True):
         # libxml2's own is the line in which the tag ends. lxml can set it, which its stubs do not know.
         element.sourceline = min(line, _LAST_LINE)  # type: ignore[misc]
@@ -204,7 +187,7 @@ class _Scan:
             self._refuse(reason, "too-many-nodes")
 
     def _start(self, name: str, attributes: dict[str, str]) -> None:
-        self.root = self.root or name
+        self.root = self.root or name.rpartition(":")[2]
         self.lines.append(self.parser.CurrentLineNumber)
         self.depth += 1
         if self.depth > self.limits.depth:
@@ -216,8 +199,6 @@ class _Scan:
         if attributes and max(map(len, attributes.values())) > self.limits.text:
             reason = f"<{name}> has an attribute of more than {self.limits.text} characters (--max-text)"
             self._refuse(reason, "too-long-attribute")
-        if name.startswith("xacro:"):
-            self._refuse(_UNEXPANDED, "xacro")
         self.nodes += len(attributes)
         self._node()
 
@@ -225,27 +206,93 @@ class _Scan:
         self.depth -= 1
 
 
-def check_format(path: Path, root: etree._Element) -> None:
-    """Refuse a tree that is not a URDF, and name what it is instead.
+def check_format(path: Path, root: etree._Element) -> list[Finding]:
+    """Refuse a tree that is not a URDF, and name what it is instead; leave out namespaces that say nothing.
+
+    Elements in the default namespace of <robot> lose it, those of a prefix that is not declared get a namespace.
+
+    Returns
+    -------
+    list of Finding
+        On the namespaces.
 
     Raises
     ------
     UrdfError
-        The root is not <robot>, a <robot> stands inside it, or xacro is left to be expanded.
+        The root is not <robot>, a <robot> stands inside it, or a xacro is left to be expanded where links, joints or
+        inertials could come of it.
     """
+    findings = [*_without_default_namespace(root), *_with_declared_prefixes(root)]
     if root.tag != "robot":
         name = etree.QName(root)
         reason = _not_urdf(name.localname)
         if name.localname == "robot":
-            reason = f"<robot> lies in the namespace '{name.namespace}', and URDF in none: remove xmlns=…"
+            reason = f"<robot> has the prefix '{root.prefix}', and URDF has none: remove it"
         raise UrdfError(path, reason, "not-urdf", line_of(root))
-    parts = [part for part in root.iterchildren(etree.Element) if part.tag not in EXTENSIONS]
-    for element in [root, *(element for part in parts for element in part.iter(etree.Element))]:
+    for element in (root, *_of_robot(root)):
         if element is not root and element.tag == "robot":
             raise UrdfError(path, "a <robot> stands inside <robot>: keep one", "second-robot", line_of(element))
-        unexpanded = any(_XACRO_VALUE.search(value) for value in element.attrib.values() if "$" in value)
-        if unexpanded or str(element.tag).startswith(f"{{{_XACRO}}}"):
-            raise UrdfError(path, _UNEXPANDED, "xacro", line_of(element))
+        if left := left_of_xacro(element):
+            raise UrdfError(path, f"{left} {_LEFT_OVER}", "xacro", line_of(element))
+    return findings
+
+
+def _of_robot(root: etree._Element) -> Iterator[etree._Element]:
+    """Return the elements below <robot> of which a link, joint or inertial could come."""
+    waiting = [*root.iterchildren(etree.Element)][::-1]
+    while waiting:
+        element = waiting.pop()
+        if element.tag not in EXTENSIONS | DRAWN:
+            yield element
+            waiting += [*element.iterchildren(etree.Element)][::-1]
+
+
+def left_of_xacro(element: etree._Element) -> str:
+    """Name what of an element itself is left of a xacro.
+
+    Returns
+    -------
+    str
+        Empty where nothing is.
+    """
+    if str(element.tag).startswith(f"{{{_XACRO}}}"):
+        name = element.get("name")
+        return f"<xacro:{etree.QName(element).localname}>" + (f" '{name}'" if name else "")
+    for key, value in element.attrib.items():
+        if "$" in value and _XACRO_VALUE.search(value):
+            return f"{etree.QName(key).localname}='{value}' of <{etree.QName(element).localname}>"
+    return ""
+
+
+def _without_default_namespace(root: etree._Element) -> Iterator[Finding]:
+    default = root.nsmap.get(None)
+    if default is None or root.prefix is not None or etree.QName(root).localname != "robot":
+        return
+    for element in root.iter(etree.Element):
+        if element.prefix is None and etree.QName(element).namespace == default:
+            element.tag = etree.QName(element).localname
+    message = f"<robot> has the default namespace '{default}', which is ignored"
+    yield make_finding("default-namespace", "file", message, line=line_of(root), value=default)
+
+
+def _with_declared_prefixes(root: etree._Element) -> Iterator[Finding]:
+    first: dict[str, etree._Element] = {}
+    for element in root.iter(etree.Element):
+        for name in (str(element.tag), *map(str, element.attrib)):
+            prefix, colon, local = name.partition(":")
+            if name.startswith("{") or not colon:
+                continue
+            if prefix != "xacro":  # of which left_of_xacro tells
+                first.setdefault(prefix, element)
+            declared = f"{{{_XACRO if prefix == 'xacro' else _UNDECLARED}}}{local}"
+            if name == element.tag:
+                element.tag = declared
+            else:
+                element.attrib[declared] = element.attrib.pop(name)
+    if first:
+        named = ", ".join(f"'{prefix}'" for prefix in list(first)[:_MOST_PREFIXES])
+        message = f"the prefix {named} is not declared: its elements are taken for those of another program"
+        yield make_finding("undeclared-prefix", "file", message, line=line_of(next(iter(first.values()))))
 
 
 def _not_urdf(root: str) -> str:

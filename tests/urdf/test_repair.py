@@ -266,3 +266,27 @@ def test_quaternions_stay_what_they_are(tmp_path):
     assert all(
         one.isApprox(other, 1e-14) for one, other in zip(before.model.inertias, after.model.inertias, strict=True)
     )
+
+
+LATIN = '<?xml version="1.0" encoding="ISO-8859-1"?>\r\n' + ODD.partition("\n")[2].replace("<?end?>", "<!-- é -->")
+
+
+@pytest.mark.parametrize("encoding", ["iso-8859-1", "utf-16"])
+def test_a_copy_keeps_the_encoding_of_the_file(tmp_path, encoding):
+    """It reads as the same file in UTF-8 does, repaired; bytes that are not repaired stay."""
+    text = LATIN.replace("ISO-8859-1", encoding)
+    content, changes, reading = fixed(tmp_path, text.encode(encoding))
+    (tmp_path / "out.urdf").unlink()
+    plain, same_changes, same = fixed(tmp_path, text.replace(encoding, "utf-8").encode())
+    assert content.decode(encoding) == plain.decode().replace("utf-8", encoding)
+    assert (changes, reading.description) == (same_changes, same.description)
+    assert "ärm&" in reading.description.link
+
+
+def test_blank_lines_before_the_declaration_go(tmp_path):
+    content, changes, reading = fixed(tmp_path, "\n \n" + ARM)
+    assert content == ARM.encode()
+    assert [str(change) for change in changes] == [
+        "declaration-late: file, line 1: the blank lines before <?xml …?> go"
+    ]
+    assert reading.findings == ()

@@ -99,6 +99,38 @@ for name, element in {
     "inertial of the robot": inertial(),
 }.items():
     variant(f"{name}, below robot", ARM.replace("</robot>", f"{element}</robot>"), 1, "unknown-element")
+SRDF = (
+    "<group name='g'><link name='arm'/><joint name='hinge'/><joint name='virtual'/>"
+    "<chain base_link='base' tip_link='arm'/></group>"
+)
+for name, element in {
+    "group of an SRDF": SRDF,
+    "state of a group": "<group_state name='home' group='g'><joint name='hinge' value='0'/></group_state>",
+    "end effector": "<end_effector name='e' parent_link='arm' group='g'/>",
+    "joint named in text": "<plan><joint>hinge</joint><link>arm</link></plan>",
+    "link with a setting": "<gains><link name='arm' damping_of_contact='0'/></gains>",
+}.items():
+    variant(f"{name} adds nothing", ARM.replace("</robot>", f"{element}</robot>"), 0, infos=["unknown-element"])
+variant(
+    "joint of a namespace adds nothing",
+    ARM.replace("</robot>", "<u:plan xmlns:u='http://example.org/u'><u:joint name='hinge'/></u:plan></robot>"),
+    0,
+)
+variant(
+    "spring that names a joint",
+    ARM.replace(
+        "</robot>",
+        "<force_element><spring stiffness='2'><joint name='hinge'/></spring></force_element></robot>",
+    ),
+    0,
+    "dynamics-not-used",
+)
+variant(
+    "link of a group with an inertial",
+    ARM.replace("</robot>", f"<group>{link('arm')}</group></robot>"),
+    1,
+    "unknown-element",
+)
 for name, element in {
     "link": HELD,
     "joint": "<joint name='j' type='fixed'/>",

@@ -135,6 +135,7 @@ def test_each_finding_from_the_smallest_model(found, parts, code, severity, subj
         "remedy": finding.remedy,
         "line": 1,
         "value": finding.value,
+        "file": None,
     }
 
 

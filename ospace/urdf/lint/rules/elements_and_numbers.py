@@ -77,8 +77,8 @@ ELEMENTS_AND_NUMBERS = (
         name="unknown-element",
         severity="warning",
         summary="An element of the robot has in it one that URDF does not know there; an info in a robot, link or "
-        "joint where its name is far from any that URDF has, an error where it is or holds a link, joint or inertial, "
-        "or includes another file.",
+        "joint where its name is far from any that URDF has, an error where it adds a link, joint or inertial, "
+        "or includes another file. To name a link or joint, as groups of an SRDF do, adds none.",
         reason="Readers ignore it: a misspelt <inertail> leaves a link without mass, a <Link>, or one in a "
         "<group>, is not part of the robot.",
         remedy="Correct its name or its place. <gazebo>, <sensor>, <contact>, <transmission>, <ros2_control> and "
@@ -129,6 +129,41 @@ ELEMENTS_AND_NUMBERS = (
         reason="URDF demands it, and Pinocchio's parser rejects the file.",
         remedy='Give it one: <robot name="chaser">.',
         example="<robot>",
+    ),
+    Rule(
+        name="default-namespace",
+        severity="warning",
+        summary="<robot> has a default namespace, as xmlns='http://drake.mit.edu'. It is ignored.",
+        reason="URDF is in no namespace: readers that know namespaces find no <robot> in the file.",
+        remedy="Remove xmlns=…; a prefix, as xmlns:drake=…, may stay.",
+        example='<robot name="r" xmlns="http://drake.mit.edu">',
+    ),
+    Rule(
+        name="undeclared-prefix",
+        severity="info",
+        summary="Names have a prefix that is not declared. What bears one is taken for an element or attribute of "
+        "another program.",
+        reason="Readers that know namespaces reject the file.",
+        remedy="Declare it in <robot>: xmlns:sensor='…'.",
+        example="<gazebo><sensor:camera/></gazebo>",
+    ),
+    Rule(
+        name="declaration-late",
+        severity="warning",
+        summary="Blank lines stand before the XML declaration. It is read as if they did not.",
+        reason="It is not well-formed XML, and most readers reject it.",
+        remedy="Remove what stands before <?xml.",
+        example='a blank line before <?xml version="1.0"?>',
+        fixable=True,
+    ),
+    Rule(
+        name="xacro-left-over",
+        severity="warning",
+        summary="A call or value of xacro is left in a <visual>, <collision> or <material>, which is left out.",
+        reason="Neither link nor joint nor inertial can come of it, so dynamics do not need it; inertias are not "
+        "compared with the shape.",
+        remedy="Expand the file with its macros, or delete it.",
+        example='<visual><xacro:shape/></visual>, <mesh filename="$(find arm)/hand.stl"/>',
     ),
     Rule(
         name="xacro-warning",

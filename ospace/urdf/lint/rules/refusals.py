@@ -37,9 +37,11 @@ FILES = (
     ),
     _refused(
         name="not-text",
-        summary="The file is not UTF-8 text: compressed, binary, UTF-16, another encoding, or with a NUL byte.",
+        summary="The file is not text: compressed, binary, with a NUL byte; or not in the encoding that it declares, "
+        "UTF-8 where it declares none; or it declares one that is not read.",
         reason="A letter read as another gives a link another name, and a byte that is skipped may be a digit.",
-        remedy="Decompress it, or convert it: iconv -f UTF-16 -t UTF-8 in.urdf > out.urdf. A byte order mark may stay.",
+        remedy="Decompress it, declare its encoding, as <?xml version='1.0' encoding='ISO-8859-1'?>, or convert it: "
+        "iconv -f UTF-32 -t UTF-8 in.urdf > out.urdf. A byte order mark may stay.",
         example="robot.urdf.gz",
     ),
     _refused(
@@ -93,9 +95,10 @@ FILES = (
     ),
     _refused(
         name="xacro",
-        summary="The file is a xacro that was not expanded: it has xacro elements, or ${…} or $(…) in an attribute.",
+        summary="A xacro is left to be expanded: an element of xacro, or ${…} or $(…) in an attribute, where links, "
+        "joints or inertials could come of it.",
         reason="Links and numbers are still to be computed.",
-        remedy="Expand it first: xacro robot.xacro > robot.urdf.",
+        remedy="Expand it with its macros, as is done where the name ends in .xacro; or delete what is left over.",
         example='<mass value="${m}"/>',
     ),
     _refused(
