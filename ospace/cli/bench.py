@@ -21,7 +21,7 @@ _WIDTH = 120
 
 def add_to(verbs: Any) -> None:
     """Describe the verb to argparse."""
-    from ospace.cli.main import takes_xacro
+    from ospace.cli.main import takes_robot
 
     verb = verbs.add_parser(
         "bench",
@@ -39,7 +39,7 @@ def add_to(verbs: Any) -> None:
     )
     verb.add_argument("--points", metavar="N", type=_count, help="at most N operational points at once (default: 6)")
     verb.add_argument("--seconds", metavar="S", type=_seconds, default=1.0, help="time for each row (default: 1)")
-    takes_xacro(verb)
+    takes_robot(verb)
     verb.add_argument("--free-mimic", action="store_true", help="release the coupling of mimic joints")
     verb.add_argument(
         "--codegen", action="store_true", help="also against C that CasADi generates; needs gcc, casadi, adam-robotics"
@@ -83,7 +83,9 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
         raise OspaceError(f"--codegen reads a URDF: write one with ospace check {file} --fix OUT")
     output.distinct([file], [given.plot])
     output.writable(given.plot)
-    robot = SpaceRobot.from_urdf(file, package_dirs(given), xacro_args=given.xacro_args, free_mimic=given.free_mimic)
+    robot = SpaceRobot.from_urdf(
+        file, package_dirs(given), xacro_args=given.xacro_args, free_mimic=given.free_mimic, root=given.root
+    )
     with progress.bar(given, "comparing results", 1):
         plan = report.prepare(robot, given.points, file if given.codegen else None)
     with progress.bar(given, "timing", plan.turns) as advance:

@@ -44,7 +44,7 @@ _LIMITS = {
 
 def add_to(verbs: Any) -> None:
     """Describe the verb to argparse."""
-    from ospace.cli.main import takes_xacro
+    from ospace.cli.main import takes_robot
 
     verb = verbs.add_parser(
         "check",
@@ -75,7 +75,7 @@ def add_to(verbs: Any) -> None:
     verb.add_argument(
         "--html", metavar="FILE", type=output.file, help="write a report with the robot to look at: one file"
     )
-    takes_xacro(verb)
+    takes_robot(verb)
     verb.add_argument("--free-mimic", action="store_true", help="take joints that mimic others as independent ones")
     for name, what in _LIMITS.items():
         verb.add_argument(f"--max-{name}", metavar="N", type=_limit, help=f"{what}, at most")
@@ -165,6 +165,7 @@ def _report(given: argparse.Namespace, file: Path, folders: Sequence[Path]) -> t
         xacro_args=given.xacro_args,
         limits=_limits(given),
         free_mimic=given.free_mimic,
+        root=given.root,
     )
     description, findings = reading.description, reading.findings
     if reading.model is None:
@@ -198,10 +199,12 @@ def _fix(given: argparse.Namespace) -> tuple[int, str]:
 
     limits, out = _limits(given), Path(given.fix)
     folders = [Path(folder) for folder in package_dirs(given)]
-    changes = repair.write(find(given.urdf), out, limits, package_dirs=folders, xacro_args=given.xacro_args)
+    changes = repair.write(
+        find(given.urdf), out, limits, package_dirs=folders, xacro_args=given.xacro_args, root=given.root
+    )
     if not out.exists():
         return 0, f"nothing to repair: {out} was not written\n"
-    left = reader.read(out, limits=limits, free_mimic=given.free_mimic).findings
+    left = reader.read(out, limits=limits, free_mimic=given.free_mimic, root=given.root).findings
     errors = sum(finding.severity == "error" for finding in left)
     lines = [str(change) for change in changes] or ["nothing to repair"]
     lines.append(f"wrote {out}: {number(len(changes), 'change')}, {number(errors, 'error')} left")

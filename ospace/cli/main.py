@@ -80,8 +80,8 @@ def _parsed(arguments: list[str]) -> argparse.Namespace:
     return given
 
 
-def takes_xacro(verb: argparse.ArgumentParser) -> None:
-    """Let the verb read a xacro: its arguments, and the folders of its packages."""
+def takes_robot(verb: argparse.ArgumentParser) -> None:
+    """Let the verb read a robot: arguments and folders of packages of a xacro, and which link is the base."""
     verb.set_defaults(xacro_args={})
     verb.add_argument(
         "--package-dir",
@@ -89,6 +89,9 @@ def takes_xacro(verb: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         help="where package:// names of meshes and $(find PACKAGE) of a xacro are looked up; repeatable",
+    )
+    verb.add_argument(
+        "--root", metavar="LINK", help="link that becomes the base, with what hangs from it (default: the only root)"
     )
 
 

@@ -22,7 +22,7 @@ _WAIT = 0.2  # s
 
 def add_to(verbs: Any) -> None:
     """Describe the verb to argparse."""
-    from ospace.cli.main import takes_xacro
+    from ospace.cli.main import takes_robot
 
     verb = verbs.add_parser(
         "view",
@@ -66,7 +66,7 @@ def add_to(verbs: Any) -> None:
     verb.add_argument(
         "--port", metavar="N", type=_port, help="port to serve at (default: the first free one from 7000)"
     )
-    takes_xacro(verb)
+    takes_robot(verb)
     verb.add_argument("--free-mimic", action="store_true", help="take joints that mimic others as independent ones")
     verb.set_defaults(run=run, refuse_usage=verb.error)
 
@@ -103,7 +103,9 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     file = find(given.urdf)
     output.distinct([file], [given.html, given.screenshot])
     output.writable(given.html, given.screenshot)
-    robot = SpaceRobot.from_urdf(file, package_dirs(given), xacro_args=given.xacro_args, free_mimic=given.free_mimic)
+    robot = SpaceRobot.from_urdf(
+        file, package_dirs(given), xacro_args=given.xacro_args, free_mimic=given.free_mimic, root=given.root
+    )
     q = robot.configuration({**robot.joint_positions(robot.neutral()), **_pose(given.pose, robot)})
     if beyond := robot.outside_limits(q):
         print(f"ospace: warning: --pose is outside limits: {excess_text(robot.model, beyond)}", file=sys.stderr)

@@ -81,6 +81,7 @@ class SpaceRobot(Layout):
         *,
         xacro_args: Mapping[str, str] | None = None,
         free_mimic: bool = False,
+        root: str | None = None,
         limits: Limits | None = None,
     ) -> SpaceRobot:
         """Read a robot from a URDF or xacro; its root link becomes the freely floating base.
@@ -97,6 +98,8 @@ class SpaceRobot(Layout):
         free_mimic : bool
             Take joints that mimic others as independent ones, with a warning each; else they follow these and have no
             coordinate of their own.
+        root : str, optional
+            Link that becomes the base, with what hangs from it: of a file that holds several bodies, or a stand.
         limits : ospace.Limits, optional
             How large file and robot may be; 20 MB, 2000 links and 150 degrees of freedom without it.
 
@@ -114,7 +117,9 @@ class SpaceRobot(Layout):
         if not isinstance(path, str | PathLike):
             raise OspaceError(f"path {path!r}: give the path of a URDF")
         file, folders = Path(path), [Path(folder) for folder in package_dirs]
-        reading = reader.read(file, package_dirs=folders, xacro_args=xacro_args, limits=limits, free_mimic=free_mimic)
+        reading = reader.read(
+            file, package_dirs=folders, xacro_args=xacro_args, limits=limits, free_mimic=free_mimic, root=root
+        )
         if reading.model is None:
             raise UnsoundModelError(reading.description.name, reading.findings)
         return cls(reading.model, reading.findings, source=file, description=reading.description, package_dirs=folders)

@@ -113,7 +113,7 @@ class Joint:
 
 @dataclass(frozen=True)
 class Description:
-    """A robot as its file describes it; from `structure.order_joints` on, each joint stands behind those on its way."""
+    """A robot as its file describes it; from `tree.span` on, each joint stands behind those on its way."""
 
     name: str
     links: tuple[Link, ...]

@@ -33,6 +33,20 @@ from ospace.urdf.numbers import (
 from ospace.urdf.source import EXTENSIONS, left_of_xacro, line_of
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+_BALL = "three revolute joints whose axes meet, on links without mass between them, make one"
+_COMPOSED = {
+    "ball": _BALL,
+    "spherical": _BALL,
+    "gimbal": _BALL,
+    "universal": "two revolute joints whose axes meet, on a link without mass between them, make one",
+    "revolute2": "two revolute joints, on a link between them, make one",
+    "cylindrical": "a revolute and a prismatic joint along one axis, on a link without mass between them, make one",
+    "screw": "a prismatic joint that mimics a revolute one, on a link without mass between them, makes one",
+    "helical": "a prismatic joint that mimics a revolute one, on a link without mass between them, makes one",
+    "rpy": _BALL,
+}
+"""Joints of other formats, and which of URDF's make one."""
+_OTHER_NAMES = {"hinge": "revolute", "pin": "revolute", "slider": "prismatic", "weld": "fixed", "free": "floating"}
 TOO_SHORT, OFF_UNIT = 1e-6, 1e-3
 """Length of an axis or quaternion below which it has no direction, and how far from one it may be without a word."""
 TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
@@ -268,8 +282,7 @@ class _Parser:
         self.subject, self.code = f"joint '{name}'", "number-unreadable"
         self.check_element(element)
         if kind not in KINDS:
-            what = f"type '{kind}' is unknown" if kind else "has no type"
-            self._report("joint-type", f"{what}{closest(kind, KINDS) if kind else ''}", element, kind)
+            self._report("joint-type", _describe_kind(kind), element, kind)
         self._check_unused_numbers(element)
         ends = [element.find(end) for end in ("parent", "child")]
         parent, child = ("" if end is None else end.get("link", "") for end in ends)
@@ -524,6 +537,8 @@ class _Parser:
             message = f"{named} of <{_local(element)}>{whose} is not used"
             if named == f"<{_local(element)}>":
                 message = f"{named}{whose} is not used"
+            if "loop" in named.lower():
+                message += ": its loop is open here"
             self._report("dynamics-not-used", message, element, _local(element))
         return bool(named)
 
@@ -567,6 +582,16 @@ class _Parser:
 def _or_none(limit: float) -> float:
     """Take the largest number there is for no limit, as Pinocchio does."""
     return math.copysign(math.inf, limit) if abs(limit) == sys.float_info.max else limit
+
+
+def _describe_kind(kind: str) -> str:
+    """Say what to do with a type of joint that URDF does not have."""
+    if not kind:
+        return "has no type"
+    word = kind.lower().replace("_joint", "").replace("-", "")
+    if word in _COMPOSED:
+        return f"is a {kind} joint, which neither URDF nor ospace has: {_COMPOSED[word]}"
+    return f"type '{kind}' is unknown{closest(_OTHER_NAMES.get(word, word), KINDS)}"
 
 
 def _tag(element: etree._Element) -> str:

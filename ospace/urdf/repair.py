@@ -73,6 +73,7 @@ def write(
     *,
     package_dirs: Sequence[Path] = (),
     xacro_args: Mapping[str, str] | None = None,
+    root: str | None = None,
 ) -> list[Change]:
     """Write a repaired copy of `path` to `out`, and nothing where there is nothing to repair.
 
@@ -93,7 +94,7 @@ def write(
         raise OspaceError(f"{out}: exists already, and nothing is overwritten: give another name")
     text = xacro.read(path, package_dirs=package_dirs, arguments=xacro_args, limits=limits)
     content, changes = repair_content(path, text.content, limits)
-    reader.read_content(path, content, limits=limits)  # nothing is written that could not be read again
+    reader.read_content(path, content, limits=limits, root=root)  # nothing is written that could not be read again
     if changes or text.files:
         try:
             _write_new(out, content)

@@ -36,11 +36,10 @@ _PACKAGE_XML = 100_000  # bytes
 
 
 class _RefusedError(Exception):
-    """The file wants what it may not have; `code` is that of the refusal."""
+    """The file is wrong, or wants what it may not have: reason, code of the refusal, and file and line where known."""
 
-    def __init__(self, reason: str, code: str) -> None:
-        super().__init__(reason)
-        self.code = code
+    def __str__(self) -> str:
+        return str(self.args[0])
 
 
 class _Gate:
@@ -190,7 +189,7 @@ class _Expansion:
             return _Builder(path).parseString(text)
         except expat.ExpatError as error:
             reason = f"is not well-formed XML: {expat.errors.messages[error.code]}"
-            raise _LocatedError(reason, path, error.lineno) from None
+            raise _RefusedError(reason, "xacro-failed", path, error.lineno) from None
 
     def _find(self, package: str) -> str:
         """Return the folder of a package, for ``$(find package)``."""
@@ -210,14 +209,6 @@ class _Expansion:
     def _evaluate_argument(self, expression: str, names: dict[str, Any], more: Any) -> Any:
         """Evaluate ``$(eval …)``, which would have all of Python's built-in functions."""
         return eval(_compiled(expression), {"__builtins__": {}}, more)
-
-
-class _LocatedError(Exception):
-    """A file is wrong at a line that is known."""
-
-    def __init__(self, reason: str, path: str, line: int) -> None:
-        super().__init__(reason)
-        self.path, self.line = path, line
 
 
 def _compiled(expression: str) -> CodeType:
@@ -312,18 +303,16 @@ def _said(error: BaseException) -> str:
 def _failure(error: Exception, expansion: _Expansion | None, gate: _Gate) -> dict[str, Any]:
     """Say what went wrong, and where."""
     causes = list(_causes(error))
-    located = next((cause for cause in causes if isinstance(cause, _LocatedError)), None)
     refused = gate.refused or next((cause for cause in causes if isinstance(cause, _RefusedError)), None)
     path, line = (None, None) if expansion is None else expansion.place()
     reason, code = _reason(causes), "xacro-failed"
     if refused is not None:
-        reason, code = str(refused), refused.code
+        reason, code, *where = refused.args
+        path, line = where or (path, line)
     elif any(isinstance(cause, MemoryError) for cause in causes):
         reason, code = "takes more memory to expand than it may (--max-memory)", "xacro-exhausted"
     elif any(isinstance(cause, RecursionError) for cause in causes):
         reason, code = "its macros, includes or properties call each other without end", "xacro-exhausted"
-    elif located is not None:
-        reason, path, line = str(located), located.path, located.line
     macros = [] if expansion is None else list(dict.fromkeys(expansion.macros()))[:_MOST_MACROS]
     return {"error": reason, "code": code, "path": path, "line": line, "macros": macros}
 

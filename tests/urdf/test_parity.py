@@ -12,7 +12,7 @@ import pytest
 from urdf.corpus.parts import ARM, AXIS, HAND, LIMIT, inertial, joint, link, robot
 
 import ospace
-from ospace.urdf import bodies, build, parity, parse, reader, source, structure
+from ospace.urdf import bodies, build, parity, parse, reader, source, tree
 from ospace.urdf.description import Limit, Pose
 
 LIMITS = ospace.Limits()
@@ -34,7 +34,7 @@ SIX = robot(
 def read(content):
     path = Path("made.urdf")
     root = source.parse(path, content.encode(), LIMITS)
-    description = structure.order_joints(path, parse.parse(root, path.stem)[0], LIMITS)
+    description = tree.span(path, parse.parse(root, path.stem)[0]).description
     return description, bodies.bodies_of(description), build.build(path, description)[0]
 
 

@@ -329,19 +329,8 @@ def test_a_revolute_joint_without_limits_is_unlimited(file):
             "arm",
         ),
         ((link("base"), link("arm"), joint(), joint("second")), "arm"),
-        (
-            (
-                link("base"),
-                link("arm"),
-                link("hand"),
-                joint(),
-                joint("k", child="hand"),
-                joint("l", "fixed", "hand", more=""),
-            ),
-            "arm",
-        ),
     ],
-    ids=["its own parent", "two links that hang from each other", "two joints to one link", "closed loop"],
+    ids=["its own parent", "two links that hang from each other", "two joints to one link"],
 )
 def test_links_that_do_not_form_a_tree_with_the_base_are_refused(file, capfd, parts, subject):
     """Pinocchio leaves such links out, or out of one of their places, and says nothing: mass would be lost."""

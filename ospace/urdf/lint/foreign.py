@@ -80,6 +80,26 @@ def is_dynamics_name(name: str) -> bool:
     return bool(_found(name, _DYNAMICS | _COUPLINGS))
 
 
+def foreign_joints(root: etree._Element) -> dict[str, str]:
+    """Name the joints that are not read, by the links that hang from them.
+
+    Returns
+    -------
+    dict of str to str
+    """
+    found: dict[str, str] = {}
+    for element in root.iter(etree.Element):
+        if element.tag == "joint" or "joint" not in _local(element).lower():
+            continue
+        child = next((part for part in element.iterchildren(etree.Element) if _local(part) == "child"), None)
+        name = "" if child is None else child.get("link") or " ".join((child.text or "").split())
+        if name:
+            prefix = f"{element.prefix}:" if element.prefix else ""
+            kind = f" of type '{element.get('type')}'" if element.get("type") else ""
+            found.setdefault(name, f"<{prefix}{_local(element)}> '{element.get('name', '')}'{kind}")
+    return found
+
+
 def _named(element: etree._Element, words: set[str]) -> Iterator[str]:
     if (loop := _joint(element)) is not None:
         yield loop
@@ -106,7 +126,7 @@ def _joint(element: etree._Element) -> str | None:
     if not {"parent", "child"} <= ends.keys():
         return None
     parent, child = (" ".join((ends[end].text or ends[end].get("link") or "").split()) for end in ("parent", "child"))
-    return f"the joint '{element.get('name', '')}' from '{parent}' to '{child}'"
+    return f"the joint '{element.get('name', '')}' that closes a loop from '{parent}' to '{child}'"
 
 
 def _matters(name: str, value: str, words: set[str]) -> bool:

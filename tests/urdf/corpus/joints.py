@@ -201,8 +201,8 @@ variant(
         joint("fa", "floating", "world", "a", ""),
         joint("fb", "floating", "world", "b", ""),
     ),
-    1,
-    "massless-base",
+    2,
+    "several-bodies",
 )
 variant("heavy root on a floating joint", robot(link("base"), link("arm"), joint(kind="floating", more="")), 0)
 

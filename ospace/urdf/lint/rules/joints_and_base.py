@@ -6,10 +6,28 @@ JOINTS_AND_BASE = (
     Rule(
         name="joint-type",
         severity="error",
-        summary="The type of a joint is missing or unknown.",
+        summary="The type of a joint is missing or unknown, or one that URDF does not have, as ball or screw.",
         reason="How the links move is not known.",
-        remedy="One of revolute, continuous, prismatic, fixed, floating, planar.",
+        remedy="One of revolute, continuous, prismatic, fixed, floating, planar; several of them make any other.",
         example='<joint name="hinge" type="ball">',
+    ),
+    Rule(
+        name="loop-open",
+        severity="warning",
+        summary="A joint leads to a link that another joint carries: it closes a loop. It is left out, and the robot "
+        "is read as the tree that is left: of the joints to a link the first in the file stays.",
+        reason="URDF and ospace know trees. A loop that is open has more degrees of freedom, and its links fall apart.",
+        remedy="Keep to positions in which the loop is closed, or remove the joint; a passive side of a linkage that "
+        "weighs little can be left out.",
+        example='two joints with <child link="coupler"/>, of different parents',
+    ),
+    Rule(
+        name="root-given",
+        severity="info",
+        summary="The root was chosen; links and joints that do not hang from it are left out.",
+        reason="The robot is a part of what the file describes.",
+        remedy="Nothing, if it is meant so.",
+        example="ospace check two_bodies.urdf --root chaser",
     ),
     Rule(
         name="axis-zero",

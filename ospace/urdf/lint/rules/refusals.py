@@ -196,24 +196,40 @@ STRUCTURE = (
     ),
     _refused(
         name="second-parent",
-        summary="A link is the child of two joints.",
-        reason="A URDF is a tree. Pinocchio's reader keeps one of the joints and says nothing of the other.",
-        remedy="Remove one of the two joints; URDF has no closed loops.",
-        example='two joints with <child link="arm"/>',
+        summary="A link is the child of two joints of the same parent.",
+        reason="Which of the two is meant is ambiguous. Pinocchio's reader keeps one and says nothing of the other.",
+        remedy="Remove one of the two joints. Joints of different parents close a loop, which is read (loop-open).",
+        example='two joints from "base" to "arm"',
     ),
     _refused(
         name="loop",
-        summary="Links hang from themselves.",
+        summary="Links hang from themselves, and from no root.",
         reason="A URDF is a tree. Pinocchio's reader leaves such links out, or never comes back.",
         remedy="Cut the loop at one joint.",
         example="a is the parent of b, and b of a",
     ),
     _refused(
         name="two-roots",
-        summary="More than one link is the child of no joint.",
+        summary="More than one link is the child of no joint, or only of one that is not read, as <drake:joint>.",
         reason="The base would be one of them, and the mass of what hangs from the other would be lost.",
-        remedy="Join the others to the tree, by a fixed joint where nothing moves.",
+        remedy="Join the others to the tree, by a fixed joint where nothing moves; or read one alone: --root LINK, "
+        "from_urdf(path, root='LINK').",
         example='<link name="base"/><link name="forgotten"/>',
+    ),
+    _refused(
+        name="several-bodies",
+        summary="Several bodies float freely, each on a floating joint of one link without mass.",
+        reason="A robot has one base. The others would be bodies of their own, as a target is.",
+        remedy="Read each alone: --root LINK, from_urdf(path, root='LINK').",
+        example="chaser and target, each on a floating joint of 'world'",
+    ),
+    _refused(
+        name="planar-base",
+        summary="The robot slides on a planar joint of a link without mass: its base moves in a plane.",
+        reason="The base of ospace floats freely, with six degrees of freedom.",
+        remedy="Make the joint floating: a motion that begins in the plane stays in it. Or read what hangs from it: "
+        "--root LINK.",
+        example='<joint name="table" type="planar"><parent link="world"/><child link="bus"/></joint>',
     ),
     _refused(
         name="rejected",
