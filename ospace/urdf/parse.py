@@ -99,6 +99,8 @@ _PHYSICAL = {"inertial", "origin", "mass", "inertia", "axis", "limit", "dynamics
 """Elements that place, weigh, move or limit a body: what is not used of them is a warning at least."""
 _PLACING = {"pose", "transform", "placement", "frame", "offset", "center_of_mass", "com", "scale", "unit", "units"}
 """Names under which other formats place, weigh or scale a body."""
+_REPEATED = {"unknown-attribute", "unknown-element", "dynamics-not-used", "value-not-used", "stray-text"}
+"""Findings that stand once, with their number, where they say the same."""
 _LISTED, _SHOWN = 200, 40  # findings of one kind, characters of a text
 _SHORT = 4  # characters
 _SLIP = 2  # characters by which a misspelt name may be longer or shorter
@@ -129,7 +131,7 @@ def parse(root: etree._Element, file_name: str) -> tuple[Description, list[Findi
         parser.material(element)
     links = tuple(parser.link(element) for element in root.iterfind("link"))
     joints = tuple(parser.joint(element) for element in root.iterfind("joint"))
-    return Description(name, links, joints), [*parser.findings, *parser.omitted()]
+    return Description(name, links, joints), parser.listed()
 
 
 def has_quaternions(root: etree._Element) -> bool:
@@ -149,6 +151,9 @@ class _Parser:
         self.named = {tag: {element.get("name") for element in root.iterfind(tag)} for tag in ("link", "joint")}
         self.findings: list[Finding] = []
         self.count: Counter[str] = Counter()
+        self.distinct: Counter[str] = Counter()
+        self.known: dict[tuple[str, str], int] = {}
+        self.repeats: Counter[int] = Counter()
         self.errors = 0
         self.colours: dict[str, Colour] = {}
         self.quaternions = True
@@ -532,7 +537,11 @@ class _Parser:
     def _report_dynamics(self, element: etree._Element, *, of_robot: bool) -> bool:
         """Report what of dynamics stands in an element that is not read, if anything does."""
         named = describe_dynamics(element, of_robot=of_robot)
-        if named:
+        if named and not describe_dynamics(element, of_robot=of_robot, ratios=False):
+            tag = _local(element)
+            message = f"the ratio of a gear in <{tag}> is not used, nor is there an inertia of a rotor to it"
+            self._report("dynamics-not-used", message, element, tag, "info")
+        elif named:
             whose = f" '{element.get('name')}'" if element.get("name") else ""
             message = f"{named} of <{_local(element)}>{whose} is not used"
             if named == f"<{_local(element)}>":
@@ -569,12 +578,25 @@ class _Parser:
         finding = make_finding(code, self.subject, message, line=line_of(element), value=value, severity=severity)
         self.errors += finding.severity == "error"
         self.count[code] += 1
-        if self.count[code] <= _LISTED:
+        known = self.known.get((finding.severity, message)) if code in _REPEATED else None
+        if known is not None:
+            self.repeats[known] += 1
+            return
+        self.distinct[code] += 1
+        if self.distinct[code] <= _LISTED:
+            self.known[finding.severity, message] = len(self.findings)
             self.findings.append(finding)
 
-    def omitted(self) -> Iterator[Finding]:
+    def listed(self) -> list[Finding]:
+        """Return the findings; what is the same in several places stands once, with their number."""
+        once = list(self.findings)
+        for k, more in self.repeats.items():
+            once[k] = replace(once[k], message=f"{once[k].message}, here and in {more} more")
+        return [*once, *self._omitted()]
+
+    def _omitted(self) -> Iterator[Finding]:
         """Say how many findings of a kind are left out."""
-        for code, count in self.count.items():
+        for code, count in self.distinct.items():
             if count > _LISTED:
                 yield make_finding(code, "file", f"{count - _LISTED} more of this kind are not listed")
 

@@ -48,7 +48,7 @@ _SEEN_WITHIN = 7  # letters of a word that is seen in a name without gaps as wel
 _MOST = 5
 
 
-def describe_dynamics(element: etree._Element, *, of_robot: bool) -> str:
+def describe_dynamics(element: etree._Element, *, of_robot: bool, ratios: bool = True) -> str:
     """Name the dynamics that an element which ospace does not read describes.
 
     Parameters
@@ -56,6 +56,8 @@ def describe_dynamics(element: etree._Element, *, of_robot: bool) -> str:
     element : etree._Element
     of_robot : bool
         Whether it describes the robot, rather than set up another program: then a loop or constraint counts as well.
+    ratios : bool
+        Whether ratios of gears count, which alone change nothing of a robot.
 
     Returns
     -------
@@ -66,7 +68,7 @@ def describe_dynamics(element: etree._Element, *, of_robot: bool) -> str:
     if tag == "sensor":
         return ""
     words = _OF_CONTACTS if tag == "contact" else _DYNAMICS | (_COUPLINGS if of_robot else set())
-    named = list(dict.fromkeys(_named(element, words)))
+    named = list(dict.fromkeys(_named(element, words if ratios else words - _RATIOS)))
     return ", ".join(named[:_MOST]) + (f" and {len(named) - _MOST} more" if len(named) > _MOST else "")
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from ospace.exceptions import OspaceError
 from ospace.urdf.description import Description, Link, Shape
 from ospace.urdf.lint.findings import Finding, make_finding
+from ospace.urdf.lint.rules import Severity
 
 MOST = 1000  # files that are looked for
 _STL_HEADER, _STL_FACET = 84, 50  # bytes
@@ -104,8 +105,10 @@ def check_meshes(description: Description, urdf: Path, package_dirs: Sequence[Pa
 def _check_scale(link: Link, shape: Shape) -> Iterator[Finding]:
     if min(shape.size) <= 0.0:
         scale = " ".join(f"{factor:g}" for factor in shape.size)
-        message = f"'{shape.filename}' has the scale {scale}"
-        yield make_finding("mesh-scale", link.subject, message, line=shape.line, value=scale)
+        flat = 0.0 in shape.size
+        message = f"'{shape.filename}' has the scale {scale}: it is " + ("flat" if flat else "mirrored")
+        severity: Severity = "warning" if flat else "info"
+        yield make_finding("mesh-scale", link.subject, message, severity=severity, line=shape.line, value=scale)
 
 
 def _check_whole(path: Path, filename: str) -> None:

@@ -9,9 +9,6 @@ GAZEBO = "<gazebo>{}</gazebo>"
 for name, element in {
     "rotor inertia": SHOULDER.format('<rotor_inertia value="1e-4"/>'),
     "rotor inertia of a namespace": SHOULDER.format('<d:rotor_inertia xmlns:d="http://example.org/d" value="1e-4"/>'),
-    "gear": SHOULDER.format("<mechanicalReduction>50</mechanicalReduction>"),
-    "gear as attribute": SHOULDER.format('<leftActuator mechanicalReduction="-50"/>'),
-    "gear of ros2_control": "<ros2_control><param name='mechanical_reduction'>9</param></ros2_control>",
     "loop joint": '<loop_joint name="closing" type="spherical"><link1 link="base"/><link2 link="arm"/></loop_joint>',
     "constraint": '<constraint name="closing" predecessor="base" successor="arm"/>',
     "constraint of a namespace": '<d:ball_constraint xmlns:d="http://example.org/d"/>',
@@ -27,12 +24,26 @@ for name, element in {
     "friction in gazebo": GAZEBO.format("<dynamics><friction>0.1</friction></dynamics>"),
     "added mass in gazebo": GAZEBO.format("<mass>3</mass>"),
     "rotor inertia in one word": SHOULDER.format("<motorinertia>1e-4</motorinertia>"),
-    "gear in one word": SHOULDER.format("<gearratio>50</gearratio>"),
     "friction of a gear": SHOULDER.format("<coulomb_friction>0.2</coulomb_friction>"),
     "slosh": '<fuel_slosh mass="3" frequency="0.1"/>',
     "damping in gazebo": GAZEBO.format("<dampingFactor>0.1</dampingFactor>"),
 }.items():
     variant(f"{name} is not used", ARM.replace("</robot>", f"{element}</robot>"), 0, "dynamics-not-used")
+for name, element in {
+    "gear": SHOULDER.format("<mechanicalReduction>50</mechanicalReduction>"),
+    "gear as attribute": SHOULDER.format('<leftActuator mechanicalReduction="-50"/>'),
+    "gear of ros2_control": "<ros2_control><param name='mechanical_reduction'>9</param></ros2_control>",
+    "gear in one word": SHOULDER.format("<gearratio>50</gearratio>"),
+}.items():
+    variant(
+        f"{name} alone changes nothing", ARM.replace("</robot>", f"{element}</robot>"), 0, infos=["dynamics-not-used"]
+    )
+variant(
+    "gear of a rotor is not used",
+    ARM.replace("</robot>", SHOULDER.format("<rotor_inertia value='1e-4'/><gear_ratio>50</gear_ratio>") + "</robot>"),
+    0,
+    "dynamics-not-used",
+)
 for name, element in {
     "gear of one": SHOULDER.format("<mechanicalReduction>1</mechanicalReduction>"),
     "no rotor inertia": SHOULDER.format('<rotor_inertia value="0"/>'),

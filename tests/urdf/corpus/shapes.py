@@ -90,6 +90,7 @@ variant(
 for scheme in ("http", "https", "ftp", "data"):
     variant(f"mesh by {scheme}", mesh(f"{scheme}://192.0.2.1/arm.stl"), 0, "mesh-remote")
 variant("mesh that is a folder", mesh("."), 0, "mesh-unreadable")
-for scale in ("0 0 0", "1 1 -1", "0 1 1"):
+for scale in ("0 0 0", "0 1 1", "0 -1 1"):
     variant(f"scale {scale}", mesh("no_such.stl", f' scale="{scale}"'), 0, "mesh-missing", "mesh-scale")
+variant("mirrored", mesh("no_such.stl", ' scale="1 1 -1"'), 0, "mesh-missing", infos=["mesh-scale"])
 variant("scale in words", mesh("no_such.stl", ' scale="big"'), 0, "visual-unreadable")

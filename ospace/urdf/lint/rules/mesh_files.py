@@ -38,10 +38,10 @@ MESH_FILES = (
     Rule(
         name="mesh-scale",
         severity="warning",
-        summary="The scale of a mesh has a zero or a negative number.",
-        reason="A scale of zero flattens the shape; a negative one turns it inside out, and some viewers show nothing.",
-        remedy="Give positive numbers; mirror the mesh itself.",
-        example='<mesh filename="arm.stl" scale="1 -1 1"/>',
+        summary="The scale of a mesh has a zero, or as an info a negative number, which mirrors it.",
+        reason="A scale of zero flattens the shape; one that mirrors turns its faces inside out in some viewers.",
+        remedy="Give positive numbers; mirror the mesh itself where a viewer shows nothing.",
+        example='<mesh filename="arm.stl" scale="1 0 1"/>',
     ),
     Rule(
         name="mesh-not-looked-up",
