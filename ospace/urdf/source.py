@@ -222,7 +222,7 @@ def check_format(path: Path, root: etree._Element) -> list[Finding]:
         The root is not <robot>, a <robot> stands inside it, or a xacro is left to be expanded where links, joints or
         inertials could come of it.
     """
-    findings = [*_without_default_namespace(root), *_with_declared_prefixes(root)]
+    findings = [*_with_declared_prefixes(root), *_without_default_namespace(root)]
     if root.tag != "robot":
         name = etree.QName(root)
         reason = _not_urdf(name.localname)

@@ -39,6 +39,21 @@ NUMBERS = [
     "5e-324",
     "1.7976931348623157e308",
 ]
+EXPRESSIONS = [
+    "${m}",
+    "${m / 0}",
+    "${'x' * 10**9}",
+    "${[m] * 10**4}",
+    "$(arg k)",
+    "$(find made)",
+    "$(env HOME)",
+    "${xacro.load_yaml('mutated.xacro')}",
+    "${().__class__}",
+    "${float('nan')}",
+    "${m",
+    "$(eval 2 * 3)",
+    "${-m}",
+]
 WORDS = ["base", "arm", "hand", "hinge", "world", "fixed", "floating", "planar", "continuous", "prismatic", "", "\n"]
 TAGS = [
     "<link/>",
@@ -53,6 +68,9 @@ TAGS = [
     "&#0;",
     "<?x?>",
 ]
+ENCODINGS = ["utf-8", "iso-8859-1", "windows-1252", "utf-16", "utf-16-le", "shift_jis", "cp037", "utf-7"]
+XACROS = 8  # one in so many files is a xacro, which takes ten times as long to read
+LIMITS = ospace.Limits(seconds=5, memory=300_000_000)
 TOLERANCE = 1e-9  # of the unit diagonal: rounding, and the violation that inertias may have
 
 
@@ -69,6 +87,34 @@ def with_quaternions(content: bytes) -> bytes:
     """The same file in URDF 1.2, its plain origins turned by a quaternion."""
     turned = re.sub(rb'(<origin xyz="[^"]*")/>', rb'\1 quat_xyzw="0.48 -0.6 0 0.64"/>', content)
     return re.sub(rb"<robot name=", b'<robot version="1.2" name=', turned, count=1)
+
+
+def encoded(rng: np.random.Generator, content: bytes) -> bytes:
+    """The same text otherwise: another encoding, which it may declare, a namespace, a prefix, blank lines before it."""
+    text = content.decode("utf-8", errors="replace")
+    encoding = ENCODINGS[rng.integers(len(ENCODINGS))]
+    for change in rng.choice(5, int(rng.integers(1, 4)), replace=False):
+        if change == 0:
+            text = text.replace('<?xml version="1.0"?>', f'<?xml version="1.0" encoding="{encoding}"?>', 1)
+        elif change == 1:
+            text = text.replace("<robot ", '<robot xmlns="http://example.org/r" ', 1)
+        elif change == 2:
+            text = text.replace("</robot>", "<s:a s:b='ä'/></robot>", 1)
+        elif change == 3:
+            text = "\n \n" + text
+        else:
+            text = text.replace("arm", "ärmel")
+    return text.encode(encoding, errors="replace")
+
+
+def as_xacro(content: bytes) -> bytes:
+    """The same file as a xacro: its masses are properties, and a macro makes its joints."""
+    part = b"""<xacro:property name="m" value="2"/><xacro:arg name="k" default="1"/>
+<xacro:macro name="j" params="n"><gazebo a="${n * m}"/></xacro:macro><xacro:j n="$(arg k)"/>"""
+    head = re.sub(rb"<robot ", b'<robot xmlns:xacro="http://www.ros.org/wiki/xacro" ', content, count=1)
+    return re.sub(rb"(<robot [^<>]*>)", lambda match: match[1] + part, head, count=1).replace(
+        b'<mass value="2"/>', b'<mass value="${m}"/>'
+    )
 
 
 def _of(rng: np.random.Generator, choices: list[str]) -> bytes:
@@ -89,6 +135,10 @@ def _number(rng: np.random.Generator, content: bytes) -> bytes:
     return _replace(
         rb"(?<=[\" ])-?[0-9][0-9.e+-]*", rng, content, _of(rng, NUMBERS) if rng.integers(4) == 0 else random
     )
+
+
+def _expression(rng: np.random.Generator, content: bytes) -> bytes:
+    return _replace(rb"(?<=\")[^\"<>]*(?=\")", rng, content, _of(rng, EXPRESSIONS))
 
 
 def _word(rng: np.random.Generator, content: bytes) -> bytes:
@@ -134,13 +184,16 @@ ROUGH = [_number, _word, _element, _attribute, _cut, _repeat, _insert, _flip]
 
 def verdict(file: Path, rng: np.random.Generator) -> str:
     """Read the file; "robot", or the kind of refusal. Raises where the promise is broken."""
+    root = ("base", "arm")[rng.integers(2)] if rng.integers(8) == 0 else None
     try:
-        robot = ospace.SpaceRobot.from_urdf(file, free_mimic=bool(rng.integers(2)))
+        robot = ospace.SpaceRobot.from_urdf(file, free_mimic=bool(rng.integers(2)), root=root, limits=LIMITS)
     except ospace.UrdfError as error:
         return "refused" if error.code in str(error) else f"refused without the code {error.code}"
     except ospace.UnsoundModelError as error:
         errors = [finding for finding in error.findings if finding.severity == "error"]
         return "unsound" if errors else "unsound without an error"
+    except ospace.OspaceError as error:
+        return "refused" if "to be the root" in str(error) else f"refused: {error}"
     assert all(finding.severity != "error" for finding in robot.findings)
     for _ in range(3):
         q = pin.integrate(robot.model, robot.configuration(), rng.uniform(-3.0, 3.0, robot.nv))
@@ -157,17 +210,26 @@ def verdict(file: Path, rng: np.random.Generator) -> str:
 def run(count: int, seed: int, folder: Path) -> Counter[str]:
     """Read `count` mutations; the number of each verdict."""
     rng = np.random.default_rng(seed)
-    seeds = [variant.content for variant in VARIANTS if len(variant.content) < 5000 and variant.status == 0]
+    sound = [variant for variant in VARIANTS if len(variant.content) < 5000 and variant.status == 0]
+    seeds = [variant.content for variant in sound if variant.file.endswith(".urdf")]
     seeds = [*seeds, *map(with_quaternions, seeds)]
     seeds += [ospace.models.path(name).read_bytes() for name in ("planar_2r", "ets_vii")]
-    file, counts = folder / "mutated.urdf", Counter()
+    xacros = [variant.content for variant in sound if variant.file.endswith(".xacro")]
+    xacros += [as_xacro(seed) for seed in seeds[::10]]
+    counts: Counter[str] = Counter()
     for k in range(count):
-        content = mutated(rng, seeds)
+        is_xacro = rng.integers(XACROS) == 0
+        content = mutated(rng, xacros if is_xacro else seeds)
+        if is_xacro and rng.integers(2):
+            content = _expression(rng, content)
+        if rng.integers(6) == 0:
+            content = encoded(rng, content)
+        file = folder / ("mutated.xacro" if is_xacro else "mutated.urdf")
         file.write_bytes(content)
         try:
             counts[verdict(file, rng)] += 1
         except Exception as error:
-            kept = folder / f"broken_{seed}_{k}.urdf"
+            kept = folder / f"broken_{seed}_{k}{file.suffix}"
             kept.write_bytes(content)
             raise AssertionError(f"{kept}: {type(error).__name__}: {error}") from error
     return counts

@@ -128,6 +128,13 @@ variant(
     "unknown-element",
 )
 variant(
+    "robot in a namespace, a prefix not declared",
+    NAMESPACE.replace("</robot>", "<s:a s:b='c'/></robot>"),
+    0,
+    "default-namespace",
+    infos=["undeclared-prefix"],
+)
+variant(
     "robot in a namespace, a link in another",
     NAMESPACE.replace("</robot>", "<link xmlns='http://example.org/s' name='b'/></robot>"),
     1,

@@ -98,8 +98,8 @@ ELEMENTS_AND_NUMBERS = (
     Rule(
         name="dynamics-not-used",
         severity="warning",
-        summary="An element that URDF leaves to other programs speaks of dynamics: rotor inertia in a <transmission>, a "
-        "<loop_joint>, a <constraint>, a joint or damping in <gazebo>, a spring. An info for a gear's ratio alone.",
+        summary="An element that URDF leaves to other programs speaks of dynamics: rotor inertia in a <transmission>, "
+        "a <loop_joint>, a <constraint>, a joint or damping in <gazebo>, a spring. An info for a gear's ratio alone.",
         reason="The robot is the tree of links without it, and moves otherwise than the file says. A ratio of 1 and "
         "other values of 0 change nothing, and are ignored.",
         remedy="Nothing, if it is meant so: loops stay open, rotors add no inertia, springs do not pull. A rotor's "
