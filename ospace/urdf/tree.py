@@ -166,7 +166,7 @@ def _check_cycles(path: Path, description: Description, reached: set[str]) -> No
     while link in lost and link not in way:
         way[link] = None
         link = lost[link].parent
-    reason = f"link '{link}' hangs from itself: the joints make a loop, a URDF is a tree"
+    reason = f"link '{link}' hangs from itself: a URDF is a tree. Cut the loop, or choose the root (--root)"
     raise UrdfError(path, reason, "loop", lost[link].line)
 
 

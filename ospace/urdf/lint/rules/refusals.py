@@ -205,7 +205,7 @@ STRUCTURE = (
         name="loop",
         summary="Links hang from themselves, and from no root.",
         reason="A URDF is a tree. Pinocchio's reader leaves such links out, or never comes back.",
-        remedy="Cut the loop at one joint.",
+        remedy="Cut the loop at one joint, or choose the base: --root LINK, from_urdf(path, root='LINK').",
         example="a is the parent of b, and b of a",
     ),
     _refused(
