@@ -4,11 +4,27 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 Triple = tuple[float, float, float]
 Colour = tuple[float, float, float, float]
 ZERO: Triple = (0.0, 0.0, 0.0)
+
+
+class SourceLine(int):
+    """Line of a file that a xacro includes, which is called `file`."""
+
+    file: str
+
+    def __new__(cls, line: int, file: str) -> SourceLine:
+        """Make one."""
+        made = super().__new__(cls, line)
+        made.file = file
+        return made
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Keep the name across processes."""
+        return SourceLine, (int(self), self.file)
 
 
 @dataclass(frozen=True)

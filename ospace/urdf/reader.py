@@ -86,7 +86,7 @@ def read(
     except UrdfError as error:
         raise text.locate_error(path, error) from None
     findings = [*map(text.locate, reading.findings), *text.findings()]
-    return replace(reading, findings=by_severity(findings))
+    return replace(reading, description=text.locate_parts(reading.description), findings=by_severity(findings))
 
 
 def read_content(

@@ -9,12 +9,13 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
-from ospace.exceptions import OspaceError
+from ospace.exceptions import OspaceError, printable
 from ospace.urdf import source
+from ospace.urdf.description import Description, Inertial, Limit, Mimic, SourceLine
 from ospace.urdf.errors import UrdfError
 from ospace.urdf.lint.findings import Finding, make_finding
 from ospace.urdf.source import Limits
@@ -54,19 +55,48 @@ class Expanded:
             mild = warning.startswith(_HARMLESS)
             yield make_finding("xacro-warning", "file", f"xacro says: {warning}", severity="info" if mild else None)
 
+    def line(self, line: int | None) -> int | None:
+        """Return the line that a line of `content` comes from; one of a file that is included knows its name."""
+        if not self.files or line is None:
+            return line
+        number, source = self.origins.get(line, (0, 0))
+        if not source:
+            return None
+        return SourceLine(source, printable(self.files[number].name)) if number else source
+
     def locate(self, finding: Finding) -> Finding:
         """Return the finding with the file and line that its element comes from."""
-        if not self.files or finding.line is None:
-            return finding
-        number, line = self.origins.get(finding.line, (0, None))
-        return replace(finding, line=line, file=self.files[number].name if line and number else None)
+        line = self.line(finding.line)
+        return replace(finding, line=None if line is None else int(line), file=getattr(line, "file", None))
 
     def locate_error(self, path: Path, error: UrdfError) -> UrdfError:
         """Return the refusal with the file and line that its element comes from."""
-        if not self.files or error.line is None:
-            return error
-        number, line = self.origins.get(error.line, (0, None))
-        return UrdfError(self.files[number] if number else path, error.reason, error.code, line)
+        number, _ = self.origins.get(error.line or 0, (0, 0))
+        line = self.line(error.line)
+        return UrdfError(self.files[number] if number else path, error.reason, error.code, line and int(line))
+
+    def locate_parts(self, description: Description) -> Description:
+        """Return the description with the lines that its parts come from."""
+        if not self.files:
+            return description
+        return replace(
+            description,
+            links=tuple(map(self._locate_part, description.links)),
+            joints=tuple(map(self._locate_part, description.joints)),
+        )
+
+    def _locate_part(self, part: Any) -> Any:
+        """Return a part with its line, and those of its own parts."""
+        changed: dict[str, Any] = {}
+        for part_field in fields(part):
+            value = getattr(part, part_field.name)
+            if part_field.name == "line":
+                changed["line"] = self.line(value)
+            elif isinstance(value, Inertial | Limit | Mimic):
+                changed[part_field.name] = self._locate_part(value)
+            elif part_field.name == "shapes":
+                changed["shapes"] = tuple(map(self._locate_part, value))
+        return replace(part, **changed)
 
 
 def read(

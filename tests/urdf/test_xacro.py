@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import pickle
 import re
 import signal
 import subprocess
@@ -19,6 +20,7 @@ from ospace.cli.main import main
 from ospace.scenario import load as load_scenario
 from ospace.urdf import xacro
 from ospace.urdf.errors import UrdfError
+from ospace.urdf.lint.findings import make_finding
 from ospace.urdf.source import Limits
 
 XMLNS = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
@@ -97,6 +99,25 @@ def test_findings_name_the_file_and_line_that_they_come_from(arm, capsys):
     assert main(["check", str(arm), "--samples", "1", "--json"]) == 0
     (own,) = [one for one in json.loads(capsys.readouterr().out)["findings"] if one["code"] == "unknown-attribute"]
     assert (own["line"], own["file"]) == (7, None)
+
+
+def test_parts_of_the_robot_know_their_lines(arm):
+    """What is found later, as meshes that cannot be drawn, has them from there; they cross processes."""
+    described = pickle.loads(pickle.dumps(ospace.SpaceRobot.from_urdf(arm).description))
+    lines = {part.name: (part.line, getattr(part.line, "file", None)) for part in described.links + described.joints}
+    assert lines["base"] == (6, None)
+    assert lines["upper"] == lines["fore"] == (3, "segment.xacro")
+    assert lines["fore_joint"] == (5, "segment.xacro")
+    assert {joint.limit.line for joint in described.joints} == {7}
+    assert described.link["fore"].inertial.line == 3
+    finding = make_finding("mesh-missing", "link 'fore'", "is not there", line=described.link["fore"].line)
+    assert (finding.place, finding.line, finding.file) == ("link 'fore', line 3 of segment.xacro", 3, "segment.xacro")
+
+
+def test_a_report_names_the_file(arm, tmp_path):
+    pytest.importorskip("meshcat")
+    assert main(["check", str(arm), "--samples", "1", "--html", str(tmp_path / "report.html")]) == 0
+    assert ">7 of segment.xacro</td>" in (tmp_path / "report.html").read_text()
 
 
 def test_a_refusal_names_file_line_and_macro(package, arm):

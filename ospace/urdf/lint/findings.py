@@ -79,7 +79,8 @@ def make_finding(
     """
     known = RULES[code]
     subject, message, remedy = map(printable, (subject, message, remedy or known.remedy))
-    return Finding(code, severity or known.severity, subject, message, remedy, line, value)
+    at, file = None if line is None else int(line), getattr(line, "file", None)
+    return Finding(code, severity or known.severity, subject, message, remedy, at, value, file)
 
 
 def by_severity(findings: Iterable[Finding]) -> tuple[Finding, ...]:
