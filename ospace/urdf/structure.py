@@ -8,7 +8,7 @@ from pathlib import Path
 
 from lxml import etree
 
-from ospace.urdf.description import Description, Joint, Link
+from ospace.urdf.description import Description, Joint
 from ospace.urdf.errors import UrdfError
 from ospace.urdf.lint.findings import Finding, make_finding
 from ospace.urdf.source import Limits, line_of
@@ -69,7 +69,7 @@ def check_base(path: Path, description: Description) -> None:
         There are several, or the one slides in a plane.
     """
     ground, leaving = _ground(description)
-    if not all(_is_weightless(description.link[name]) for name in ground):
+    if not all(description.link[name].weightless for name in ground):
         return
     floating = [joint for joint in leaving if joint.kind == "floating"]
     root = description.link[description.root].subject
@@ -94,10 +94,6 @@ def _ground(description: Description) -> tuple[set[str], list[Joint]]:
         elif joint.parent in ground:
             leaving.append(joint)
     return ground, leaving
-
-
-def _is_weightless(link: Link) -> bool:
-    return link.inertial is None or not any((link.inertial.mass, *link.inertial.tensor))
 
 
 def with_floating_base(description: Description) -> tuple[Description, list[Finding]]:

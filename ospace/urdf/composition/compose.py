@@ -18,15 +18,17 @@ from ospace.checks import checked_vector
 from ospace.exceptions import OspaceError, closest, printable
 from ospace.files import replacing
 from ospace.kernels.tree import Floats
-from ospace.urdf import reader, source, structure
+from ospace.urdf import encoding, reader, source, structure, xacro
 from ospace.urdf.bodies import Body, bodies_of
 from ospace.urdf.composition.names import Look, add_prefix, declared, rename_materials
 from ospace.urdf.composition.simple_body import is_simple_body, mesh_file, simple_body
 from ospace.urdf.composition.tree import WORLD, Links, drop_world, mount, move_meshes, remove_branch
 from ospace.urdf.description import ZERO, Description, Triple
 from ospace.urdf.lint.findings import Finding
+from ospace.urdf.lint.foreign import foreign_joints
 from ospace.urdf.parse import has_quaternions, parse
 from ospace.urdf.source import Limits
+from ospace.urdf.tree import span
 
 _SUBJECT = re.compile(r"(link|joint) '(.*?)'(?: with \d+ fixed to it)?", re.DOTALL)
 
@@ -249,11 +251,11 @@ def compose(
         )
     path, limits = Path("composed.urdf" if out is None else out), limits or Limits()
     _check_out(out, given)
-    robot = _Robot(path, limits)
+    folders = [Path(folder) for folder in package_dirs]
+    robot = _Robot(path, folders, limits)
     for part in given:
         robot.add(part)
     content = robot.content(path.stem)
-    folders = [Path(folder) for folder in package_dirs]
     reading = reader.read_content(path, content, package_dirs=folders, limits=limits)
     mass, centre = _mass_centre(bodies_of(reading.description))
     if out is not None:
@@ -283,8 +285,8 @@ def _check_out(out: str | os.PathLike[str] | None, parts: Iterable[Part]) -> Non
 class _Robot:
     """The robot that grows part by part."""
 
-    def __init__(self, out: Path, limits: Limits) -> None:
-        self.folder, self.limits = out.parent, limits
+    def __init__(self, out: Path, package_dirs: Sequence[Path], limits: Limits) -> None:
+        self.folder, self.package_dirs, self.limits = out.parent, package_dirs, limits
         self.roots: list[etree._Element] = []
         self.parts: list[PlacedPart] = []
         self.declared: dict[tuple[str, str], Part] = {}
@@ -294,7 +296,7 @@ class _Robot:
     def add(self, part: Part) -> None:
         """Cut a part to what stays of it, give it its names, and mount it."""
         is_base = not self.parts
-        loaded = _load(part, is_base, self.limits)
+        loaded = _load(part, is_base, self.package_dirs, self.limits)
         root, tree = loaded.root, Links(loaded.root)
         try:
             removed = [name for branch in part.remove for name in remove_branch(tree, branch)]
@@ -382,19 +384,20 @@ def _outside(root: etree._Element, *, preceding: bool) -> Sequence[etree._Elemen
     return comments[::-1] if preceding else comments
 
 
-def _load(part: Part, is_base: bool, limits: Limits) -> _Loaded:
+def _load(part: Part, is_base: bool, package_dirs: Sequence[Path], limits: Limits) -> _Loaded:
     text = os.fspath(part.source)
     if is_simple_body(text):
         body = simple_body(text, part.name or ("bus" if is_base else "body"))
         path, content, folder, note = Path(text), body.urdf, Path(), body.note
     else:
         path, note = Path(text), ""
-        content, folder = source.read_file(path, limits), path.parent
+        content, folder = xacro.read(path, package_dirs=package_dirs, limits=limits).content, path.parent
+    content = encoding.decode(path, content).content
     root = source.parse(path, content, limits)
     source.check_format(path, root)
     structure.check_size(path, root, limits)
     description, _ = parse(root, path.stem)
-    description = structure.order_joints(path, description, limits)
+    description = span(path, description, foreign=foreign_joints(root)).description
     parser = etree.XMLParser(encoding="utf-8", resolve_entities=False, no_network=True, load_dtd=False)
     return _Loaded(etree.fromstring(content, parser), description, folder, note)
 
