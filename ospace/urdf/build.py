@@ -7,11 +7,10 @@ import os
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
-from types import MappingProxyType
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
@@ -19,7 +18,6 @@ import pinocchio as pin
 
 from ospace.kernels.tree import Floats
 from ospace.urdf.bodies import plane_axes
-from ospace.urdf.coupling import Following
 from ospace.urdf.description import Description, Inertial, Joint, Link, Pose
 from ospace.urdf.errors import UrdfError
 from ospace.urdf.lint.findings import Finding, make_finding
@@ -110,10 +108,8 @@ def _turn_plane(model: pin.Model, j: int, axes: Floats) -> None:
             frame.placement = turn.actInv(frame.placement)
 
 
-def to_xml(description: Description, followers: Mapping[str, Following] = MappingProxyType({})) -> str:
-    """Write links with their inertials, and joints, as a URDF; numbers keep every digit.
-
-    Joints that mimic others are free but for those of `followers`.
+def to_xml(description: Description) -> str:
+    """Write links with their inertials, and joints, as a URDF; numbers keep every digit. No joint mimics another.
 
     Returns
     -------
@@ -121,7 +117,7 @@ def to_xml(description: Description, followers: Mapping[str, Following] = Mappin
     """
     parts = [f"<robot name={quoteattr(description.name)}>"]
     parts += map(_link, description.links)
-    parts += [_joint(joint, followers.get(joint.name)) for joint in description.joints]
+    parts += map(_joint, description.joints)
     return "".join([*parts, "</robot>"])
 
 
@@ -136,7 +132,7 @@ def _inertial(inertial: Inertial) -> str:
     return f'<inertial>{_origin(inertial.pose)}<mass value="{inertial.mass!r}"/><inertia {tensor}/></inertial>'
 
 
-def _joint(joint: Joint, follows: Following | None) -> str:
+def _joint(joint: Joint) -> str:
     text = (
         f'<joint name={quoteattr(joint.name)} type="{joint.kind}">{_origin(joint.pose)}'
         f"<parent link={quoteattr(joint.parent)}/><child link={quoteattr(joint.child)}/>"
@@ -151,14 +147,8 @@ def _joint(joint: Joint, follows: Following | None) -> str:
     bounds = " ".join(f'{key}="{max(-_LARGEST, min(_LARGEST, value))!r}"' for key, value in limits.items())
     return (
         f'{text}<axis xyz="{_joined(joint.axis)}"/><limit {bounds}/>'
-        f'<dynamics damping="{joint.damping!r}" friction="{joint.friction!r}"/>{_mimic(follows)}</joint>'
+        f'<dynamics damping="{joint.damping!r}" friction="{joint.friction!r}"/></joint>'
     )
-
-
-def _mimic(follows: Following | None) -> str:
-    if follows is None:
-        return ""
-    return f'<mimic joint={quoteattr(follows.leader)} multiplier="{follows.ratio!r}" offset="{follows.offset!r}"/>'
 
 
 def _origin(pose: Pose) -> str:

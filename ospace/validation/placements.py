@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import logging
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 import numpy as np
@@ -13,9 +13,9 @@ import yourdfpy
 
 from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
+from ospace.model.joint_positions import from_q
 from ospace.model.robot import SpaceRobot
 from ospace.urdf.build import to_xml
-from ospace.urdf.coupling import Following, followings
 from ospace.urdf.description import Description
 from ospace.validation.sampling import random_state
 
@@ -35,7 +35,7 @@ class IndependentReader:
         if robot.description is None:
             raise OspaceError(f"robot '{robot.name}' was not read from a URDF")
         self.robot = robot
-        self._urdf = _load(robot.description, {} if robot.free is None else followings(robot.description))
+        self._urdf = _load(robot.description)
         # Each link as seen from the one it hangs from: where all of these agree, the links agree in the base.
         self._pairs = [(joint.parent, joint.child) for joint in self._urdf.joint_map.values() if joint.type in _MOVED]
 
@@ -47,10 +47,9 @@ class IndependentReader:
     def compare(self, rng: np.random.Generator) -> float:
         """Return the largest difference of a link's placement, over the distance from the link it hangs from."""
         robot = self.robot
-        positions = robot.joint_positions(random_state(robot, rng).q)
-        data = robot.data
-        pin.framesForwardKinematics(robot.model, data, robot.configuration(positions))
-        angles = {name: value for name, value in positions.items() if isinstance(value, float)}
+        q, data = random_state(robot, rng).q, robot.data
+        pin.framesForwardKinematics(robot.model, data, q)
+        angles = self._angles(q)
         with _quiet():
             self._urdf.update_cfg({name: angles[name] for name in self._urdf.actuated_joint_names if name in angles})
         worst = 0.0
@@ -61,9 +60,19 @@ class IndependentReader:
             worst = max(worst, float(np.abs(ours - theirs).max()) / max(1.0, float(np.abs(theirs).max())))
         return worst
 
+    def _angles(self, q: Floats) -> dict[str, float]:
+        """Return the positions of joints with one coordinate: followers too, which are free joints to yourdfpy."""
+        free = self.robot.free
+        model, all_q = (self.robot.model, q) if free is None else (free.model, free.configuration(q))
+        at = {
+            str(model.names[j]): from_q(model.joints[j], all_q[model.idx_qs[j] :][: model.nqs[j]])
+            for j in range(2, model.njoints)
+        }
+        return {name: position for name, position in at.items() if isinstance(position, float)}
 
-def _load(description: Description, followers: Mapping[str, Following]) -> yourdfpy.URDF:
-    text = io.BytesIO(to_xml(description, followers).encode())
+
+def _load(description: Description) -> yourdfpy.URDF:
+    text = io.BytesIO(to_xml(description).encode())
     with _quiet():
         try:
             return yourdfpy.URDF.load(text, build_scene_graph=True, load_meshes=False, load_collision_meshes=False)

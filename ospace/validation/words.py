@@ -21,11 +21,16 @@ def facts(model: ModelFacts) -> list[tuple[str, str]]:
         ("arm-to-base mass ratio", f"{model.arm_to_base_mass_ratio:.4g} (base {model.base_mass:.6g} kg)"),
         ("principal inertias", f"{inertias} kg m² about the centre of mass, joints at zero"),
         ("centre of mass", f"{position(model.mass_centre)} m from the base link, joints at zero"),
-        ("condition of H_b", f"{model.condition_H_b:.4g} with unit diagonal"),
+        ("condition of H_b", condition(model.condition_H_b)),
         ("gravity", f"{model.gravity:g} m/s²"),
         ("units", model.units),
         ("operational points", points),
     ]
+
+
+def condition(value: float) -> str:
+    """Return the condition number of H_b, joints at zero."""
+    return f"{value:.4g} with unit diagonal" if math.isfinite(value) else "singular, joints at zero"
 
 
 def position(centre: list[float] | tuple[float, ...]) -> str:

@@ -193,7 +193,7 @@ TWO_FAULTS = (
     + link("arm", INERTIAL.replace('"2"', '"-2"'))
     + link("hand")
     + joint("shoulder", "arm")
-    + joint("wrist", "hand", "arm").replace('effort="1"', 'effort="-1"')
+    + joint("wrist", "hand", "arm").replace('effort="1"', 'effort="-2"')
 )
 
 
