@@ -229,3 +229,15 @@ variant(
     ),
     0,
 )
+
+
+def followed(parent, ratio="-1"):
+    """Let a finger without mass follow the arm."""
+    follows = LIMITED + f'<mimic joint="hinge" multiplier="{ratio}"/>'
+    finger = joint("follow", "revolute", parent, "finger", follows)
+    return robot(link("base"), link("arm"), link("finger", ""), joint(), finger)
+
+
+variant("finger without mass on the arm that it follows", followed("arm"), 0, infos=["massless-link", "mimic"])
+variant("finger without mass that follows at no ratio", followed("base", "0"), 0, infos=["massless-link", "mimic"])
+variant("finger without mass, freed", followed("base"), 1, "massless-subtree", "mimic-freed", options=["--free-mimic"])
