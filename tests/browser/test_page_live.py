@@ -9,6 +9,7 @@ import sys
 from contextlib import contextmanager
 from pathlib import Path
 
+import missions
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -23,25 +24,6 @@ pytestmark = pytest.mark.browser
 ROOT = Path(ospace.__file__).parents[1]
 SECONDS = 60
 ENDED = "() => document.getElementById('status').textContent.includes('has ended')"
-SHORT = """
-name = "A short one"
-[robot]
-model = "planar_2r"
-joints = { joint_1 = "20 deg", joint_2 = "60 deg" }
-[control]
-step = "2 ms"
-period = "10 ms"
-[[phase]]
-name = "move"
-timeout = "0.8 s"
-[[phase.task]]
-name = "tip"
-type = "position"
-point = "end_effector"
-axes = [true, true, false, false, false, false]
-goal = { shift = ["-1 cm", "1 cm", 0], duration = "0.3 s" }
-completion = { position = "1 mm", hold = "0.1 s" }
-"""
 
 
 @contextmanager
@@ -195,9 +177,7 @@ def test_view_until_ctrl_c(open_page):
 
 def test_run_with_a_view(open_page, tmp_path):
     """Plays while it runs, and then offers the slider."""
-    file = tmp_path / "short.toml"
-    file.write_text(SHORT)
-    with command("run", file, "--view", "--headless") as (process, address):
+    with command("run", missions.written(tmp_path), "--view", "--headless") as (process, address):
         page = open_page(address)
         page.locator("#player").wait_for(timeout=SECONDS * 1000)
         assert page.evaluate("ospace.duration()") > 0.3

@@ -29,8 +29,7 @@ CURSORS = """(times) => times.map((time) => {
 def reported(tmp_path_factory):
     """Return the report and the log of `ospace run`."""
     folder = tmp_path_factory.mktemp("report")
-    file = folder / "mission.toml"
-    file.write_text(missions.MISSION)
+    file = missions.written(folder, missions.MISSION)
     status = main(
         ["run", str(file), "--headless", "--html", str(folder / "run.html"), "--log", str(folder / "run.npz")]
     )

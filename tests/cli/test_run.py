@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import missions
@@ -22,33 +23,7 @@ from ospace.scenario import log, runner
 
 ROOT = Path(ospace.__file__).parents[1]
 SECONDS = 120
-SHORT = """
-name = "A short one"
-[robot]
-model = "planar_2r"
-joints = { joint_1 = "20 deg", joint_2 = "60 deg" }
-[control]
-step = "2 ms"
-period = "10 ms"
-[[task]]
-name = "rest"
-type = "damping"
-[[phase]]
-name = "wait, a little"
-duration = "0.05 s"
-timeout = "1 s"
-[[phase]]
-name = "move"
-timeout = "0.4 s"
-[[phase.task]]
-name = "tip"
-type = "position"
-point = "end_effector"
-axes = [true, true, false, false, false, false]
-goal = { shift = ["-1 mm", "1 mm", 0], duration = "0.2 s" }
-completion = { position = "1 mm", hold = "0.1 s" }
-"""
-LONG = SHORT.replace('"0.05 s"', '"900 s"').replace('timeout = "1 s"', 'timeout = "1000 s"')
+LONG = missions.short(wait={"duration": "900 s", "timeout": "1000 s"})
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -77,12 +52,7 @@ def but_for_compiling(err):
 
 @pytest.fixture
 def made(tmp_path):
-    def call(text=SHORT):
-        file = tmp_path / "made.toml"
-        file.write_text(text)
-        return file
-
-    return call
+    return partial(missions.written, tmp_path)
 
 
 @pytest.mark.parametrize("options", [[], ["--headless"]])
@@ -98,8 +68,8 @@ def test_a_run_that_passes(run, made, options):
 
 
 def test_a_phase_that_times_out(run, made):
-    text = SHORT.replace('position = "1 mm"', 'position = "1e-30 m"')
-    text += '\n[[phase]]\nname = "later"\nduration = 1\ntimeout = 2\n'
+    later = missions.phase("later", duration=1, timeout=2)
+    text = missions.short(later, tip={"completion": {"position": "1e-30 m"}})
     status, out, _ = run(made(text))
     assert status == 1
     assert "move: not complete after 0.4 s: tip" in out
@@ -109,9 +79,8 @@ def test_a_phase_that_times_out(run, made):
 
 def test_a_certificate_that_fails(run, made):
     """A step that is much too long for the motion."""
-    text = (
-        SHORT.replace('step = "2 ms"', 'step = "10 ms"').replace("-1 mm", "-30 cm").replace('"1 mm", 0]', '"30 cm", 0]')
-    )
+    far = {"shift": ["-30 cm", "30 cm", 0], "duration": "0.2 s"}
+    text = missions.short(control={"step": "10 ms"}, tip={"goal": far})
     status, out, _ = run(made(text))
     assert status == 1
     assert "FAIL" in out
@@ -119,7 +88,8 @@ def test_a_certificate_that_fails(run, made):
 
 
 def test_limits_that_bind_are_named(run, made):
-    text = SHORT.replace("-1 mm", "-10 cm").replace("[control]", '[limits]\nacceleration = "20 deg/s^2"\n[control]')
+    far = {"shift": ["-10 cm", "1 cm", 0], "duration": "0.2 s"}
+    text = missions.short(limits={"acceleration": "20 deg/s^2"}, tip={"goal": far})
     _, out, _ = run(made(text))
     assert re.search(r"^move: active limits: .*joint_\d: acceleration, (upper|lower) \(\d+ cycles\)", out, re.MULTILINE)
 
@@ -139,7 +109,7 @@ def test_check_by_name(run, name):
 
 @pytest.mark.parametrize("options", [[], ["--check"]])
 def test_a_mistake(run, made, options):
-    file = made(SHORT.replace("timeout", "timout"))
+    file = made(missions.SHORT.replace("timeout", "timout"))
     status, out, err = run(file, *options)
     assert (status, out) == (2, "")
     assert "phase[0].timeout: missing; did you mean 'timout'?" in err
@@ -290,7 +260,7 @@ def interrupt_after(monkeypatch):
     return call
 
 
-@pytest.mark.parametrize("text", [SHORT, missions.MISSION], ids=["alone", "with a target"])
+@pytest.mark.parametrize("text", [missions.SHORT, missions.MISSION], ids=["alone", "with a target"])
 def test_ctrl_c_before_the_first_step(run, made, tmp_path, interrupt_after, text):
     interrupt_after(0)
     html, npz = tmp_path / "out.html", tmp_path / "out.npz"
@@ -321,7 +291,7 @@ def test_a_scenario_is_not_overwritten(run, made, tmp_path, monkeypatch, options
     status, out, err = run("made.toml", *options)
     assert (status, out) == (2, "")
     assert err == f"ospace: error: {options[1]}: is what is read, made.toml; give another file\n"
-    assert file.read_text() == SHORT
+    assert file.read_text() == missions.SHORT
 
 
 def test_a_file_is_not_written_twice(run, made, tmp_path):
@@ -344,7 +314,7 @@ def test_a_process_of_its_own(made):
 
 def test_a_start_outside_limits_is_told_by_check_and_by_the_run(run, made):
     """planar_2r turns by at most 170 deg."""
-    file = made(SHORT.replace('joint_2 = "60 deg"', 'joint_2 = "200 deg"'))
+    file = made(missions.short(robot={"model": "planar_2r", "joints": {"joint_2": "200 deg"}}))
     status, out, _ = run(file, "--check")
     assert status == 0
     robot = ospace.SpaceRobot.from_urdf(ospace.models.path("planar_2r"))

@@ -1,8 +1,7 @@
 """A robot of which a hinge has no drive, through a whole run."""
 
+import missions
 import numpy as np
-
-from ospace import scenario
 
 LINK = '<link name="{0}"><inertial><origin xyz="{1}"/><mass value="{2}"/>{3}</inertial></link>'
 INERTIA = '<inertia ixx="{0}" iyy="{0}" izz="{0}" ixy="0" ixz="0" iyz="0"/>'
@@ -23,33 +22,25 @@ ROBOT = "".join(
         "</robot>",
     ]
 )
-RUN = """
-[robot]
-model = "flapping.urdf"
-joints = { shoulder = "20 deg", elbow = "60 deg" }
-[[task]]
-name = "rest"
-type = "damping"
-[[phase]]
-name = "reach"
-duration = "1 s"
-timeout = "2 s"
-[[phase.task]]
-name = "tip"
-type = "position"
-point = "fore"
-axes = [true, false, true, false, false, false]
-stiffness = 100.0
-weight = 10.0
-goal = { shift = ["-5 cm", 0, "10 cm"], duration = "0.8 s" }
-"""
+REACH = {
+    "name": "tip",
+    "type": "position",
+    "point": "fore",
+    "axes": [True, False, True, False, False, False],
+    "stiffness": 100.0,
+    "weight": 10.0,
+    "goal": {"shift": ["-5 cm", 0, "10 cm"], "duration": "0.8 s"},
+}
+RUN = missions.toml(
+    missions.phase("reach", REACH, duration="1 s", timeout="2 s"),
+    robot={"model": "flapping.urdf", "joints": {"shoulder": "20 deg", "elbow": "60 deg"}},
+    tasks=[missions.REST],
+)
 
 
 def test_a_hinge_without_a_drive_is_moved_by_the_others_alone(tmp_path):
     (tmp_path / "flapping.urdf").write_text(ROBOT)
-    file = tmp_path / "run.toml"
-    file.write_text(RUN)
-    done = scenario.run(scenario.load(file))
+    done = missions.flown(tmp_path, RUN)
     assert done.passed
     assert done.exceeded == {}
     assert set(done.phases[0].statuses) == {"nominal"}

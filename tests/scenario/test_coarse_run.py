@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import missions
 import numpy as np
 import pytest
 
@@ -10,39 +11,13 @@ from ospace import scenario
 
 ROBOT = Path(ospace.models.path("planar_2r")).read_text()
 NARROW = ROBOT.replace('lower="-2.9671"', 'lower="-1.2"').replace('upper="2.9671"', 'upper="1.2"')
-TURNING = """
-[robot]
-model = "arm.urdf"
-joints = {{ joint_1 = "20 deg", joint_2 = "60 deg" }}
-[target]
-position = {place}
-spin = [0, 0, "{spin} deg/s"]
-[target.body]
-mass = 50
-inertia = [3, 4, 5]
-frames = {{ knob = {{}} }}
-[[phase]]
-name = "approach"
-timeout = "12 s"
-{grasp}
-[[phase.task]]
-name = "tip"
-type = "{kind}"
-point = "end_effector"
-axes = {axes}
-goal = {{ follow = "knob", duration = "8 s" }}
-completion = {{ {done}, hold = "0.1 s" }}
-"""
-PLANE, ANGLE = "[true, true, false, false, false, false]", "[false, false, false, false, false, true]"
 
 
 @pytest.fixture
 def made(tmp_path):
     def call(text, robot=ROBOT):
         (tmp_path / "arm.urdf").write_text(robot)
-        file = tmp_path / "made.toml"
-        file.write_text(text)
-        return scenario.load(file)
+        return missions.loaded(tmp_path, text)
 
     return call
 
@@ -54,13 +29,21 @@ def place(made):
     return start.placement(start.robot.point("end_effector")).translation
 
 
-def turning(place, *, spin=0, kind="position", axes=PLANE, done='position = "5 mm"', grasp=""):
-    numbers = [float(x) for x in place]
-    return TURNING.format(place=numbers, spin=spin, kind=kind, axes=axes, done=done, grasp=grasp)
+def turning(place, *, spin=0, tip=None, timeout="12 s", grasp=None, joints=missions.PLANAR["joints"]):
+    """Return a scenario in which the tip follows a target that turns by so many deg/s."""
+    follow = {"goal": {"follow": "knob", "duration": "8 s"}, "completion": {"position": "5 mm", "hold": "0.1 s"}}
+    body = {"mass": 50, "inertia": [3, 4, 5], "frames": {"knob": {}}}
+    return missions.toml(
+        missions.phase("approach", missions.TIP | follow | (tip or {}), timeout=timeout, grasp=grasp),
+        robot={"model": "arm.urdf", "joints": joints},
+        target={"position": [float(x) for x in place], "spin": [0, 0, f"{spin} deg/s"], "body": body},
+    )
 
 
-def turn(spin):
-    return turning([0.5, 0, 0], spin=spin, kind="orientation", axes=ANGLE, done='angle = "1 deg"')
+def turn(spin, **keys):
+    """Return one in which the tip only turns."""
+    angle = {"axes": [False] * 5 + [True], "completion": {"angle": "1 deg", "hold": "0.1 s"}}
+    return turning([0.5, 0, 0], spin=spin, tip={"type": "orientation"} | angle, **keys)
 
 
 def same(ready, words):
@@ -96,21 +79,20 @@ def test_a_place_that_joint_limits_exclude(made, place):
 
 def test_a_grasp_that_needs_less_than_its_tasks_give(made, place):
     """Only the place is reached, not the angle that the grasp needs."""
-    grasp = 'grasp = { hand = "end_effector", fixture = "knob", angle = "2 deg" }'
+    grasp = {"hand": "end_effector", "fixture": "knob", "angle": "2 deg"}
     same(made(turning(place + [0.02, -0.05, 0], grasp=grasp)), "a grasp needs 10 mm and 2 deg")
 
 
 def test_a_time_out_that_is_too_short_by_a_cycle_is_left_to_the_run(made, place):
     """The steps of a rehearsal are longer: what hangs on one of them is not refused."""
-    text = turning(place + [0.02, -0.05, 0]).replace('"0.1 s"', '"3.99 s"')
-    ready = made(text)
+    ready = made(turning(place + [0.02, -0.05, 0], tip={"completion": {"position": "5 mm", "hold": "3.99 s"}}))
     assert scenario.rehearse(ready) == ""
 
 
 def test_where_a_rehearsal_would_mislead_there_is_none(made):
-    long = made(turn(1).replace('"12 s"', '"300 s"'))
+    long = made(turn(1, timeout="300 s"))
     assert "are the most that is rehearsed" in scenario.rehearse(long)
-    outside = made(turn(1).replace('joint_2 = "60 deg"', 'joint_2 = "200 deg"'))
+    outside = made(turn(1, joints={"joint_2": "200 deg"}))
     assert scenario.rehearse(outside) == "its start is outside limits of joints"
 
 

@@ -3,6 +3,7 @@
 import dataclasses
 import math
 
+import missions
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -11,42 +12,6 @@ import ospace
 from ospace import scenario
 from ospace.scenario import log, motion, result, runner
 from ospace.simulation import Certificate, Conserved, grasp, rigid_body, tumbling
-
-SHORT = """
-[robot]
-model = "planar_2r"
-joints = { joint_1 = "20 deg", joint_2 = "60 deg" }
-[control]
-step = "5 ms"
-period = "10 ms"
-[[task]]
-name = "rest"
-type = "damping"
-[[phase]]
-name = "one"
-duration = "0.05 s"
-timeout = "1 s"
-[[phase]]
-name = "two"
-timeout = "0.4 s"
-[[phase.task]]
-name = "tip"
-type = "position"
-point = "end_effector"
-axes = [true, true, false, false, false, false]
-goal = { shift = ["-1 cm", "1 cm", 0], duration = "0.2 s" }
-completion = { position = "1 mm", hold = "0.1 s" }
-"""
-
-
-@pytest.fixture
-def made(tmp_path):
-    def call(text):
-        file = tmp_path / "made.toml"
-        file.write_text(text)
-        return scenario.load(file)
-
-    return call
 
 
 def worst(run, task, column):
@@ -187,8 +152,8 @@ def test_a_reference_that_does_not_follow_the_target_is_seen(monkeypatch):
 # -- phases ------------------------------------------------------------------------------------------------------
 
 
-def test_phases_take_their_time(made):
-    run = scenario.run(made(SHORT))
+def test_phases_take_their_time(load):
+    run = scenario.run(load(missions.SHORT))
     assert run.passed
     one, two = run.phases
     assert (one.start, one.end) == (0.0, pytest.approx(0.05))
@@ -205,13 +170,9 @@ def test_phases_take_their_time(made):
     assert len(run.segments[0].trajectory) == 71
 
 
-def test_a_phase_that_does_not_complete(made):
-    run = scenario.run(
-        made(
-            SHORT.replace('position = "1 mm"', 'position = "1e-30 m"')
-            + '\n[[phase]]\nname = "three"\nduration = 1\ntimeout = 1'
-        )
-    )
+def test_a_phase_that_does_not_complete(load):
+    later = missions.phase("three", duration=1, timeout=1)
+    run = scenario.run(load(missions.short(later, tip={"completion": {"position": "1e-30 m"}})))
     assert not run.passed
     assert run.certificate.passed
     assert [phase.outcome for phase in run.phases] == ["complete", "timed out"]
@@ -219,27 +180,24 @@ def test_a_phase_that_does_not_complete(made):
     assert run.duration == pytest.approx(0.45)
 
 
-def test_a_grasp_where_the_hand_did_not_go(made):
-    text = SHORT.replace("[control]", '[target]\nmodel = "target"\nposition = [2.5, 0, 0]\n[control]')
-    run = scenario.run(
-        made(text.replace("[[phase.task]]", 'grasp = {hand = "end_effector", fixture = "grapple"}\n[[phase.task]]'))
-    )
+def test_a_grasp_where_the_hand_did_not_go(load):
+    held = {"hand": "end_effector", "fixture": "grapple"}
+    run = scenario.run(load(missions.short(move={"grasp": held}, target={"model": "target", "position": [2.5, 0, 0]})))
     assert run.phases[-1].outcome == "failed"
     assert "a grasp needs 10 mm and 1 deg" in run.phases[-1].reason
     assert not run.passed
 
 
-def test_a_release_gives_both_back(made):
+def test_a_release_gives_both_back(load):
     """The hand lets go of what it took, and either goes on as it was."""
-    text = SHORT.replace("[control]", '[target]\nmodel = "target"\nspin = [0, 0, "1 deg/s"]\n[control]')
-    text = text.replace(
-        'timeout = "1 s"',
-        'timeout = "1 s"\ngrasp = {hand = "end_effector", fixture = "grapple", position = inf, angle = inf}',
+    text = missions.short(
+        missions.phase("three", duration=0.1, timeout=1, release=True),
+        missions.phase("four", duration=0.1, timeout=1),
+        wait={"grasp": missions.GRASP},
+        target={"model": "target", "spin": [0, 0, "1 deg/s"]},
+        control={"step": "1 ms"},
     )
-    text = text.replace('step = "5 ms"', 'step = "1 ms"')
-    text += '\n[[phase]]\nname = "three"\nduration = 0.1\ntimeout = 1\nrelease = true'
-    text += '\n[[phase]]\nname = "four"\nduration = 0.1\ntimeout = 1'
-    run = scenario.run(made(text))
+    run = scenario.run(load(text))
     assert run.passed, run.certificate
     first, held, last = run.segments
     assert (first.robot, held.robot is first.robot, last.robot) == (run.scenario.robot, False, run.scenario.robot)
@@ -259,18 +217,19 @@ def test_a_release_gives_both_back(made):
     np.testing.assert_allclose(last.trajectory.v[0], held.trajectory.v[-1], rtol=0, atol=1e-12)
 
 
-def test_a_task_of_all_phases_follows_the_target_anew_after_its_release(made):
+def test_a_task_of_all_phases_follows_the_target_anew_after_its_release(load):
     """Held, the target was moved; what follows it from then on is not where it would have been by itself."""
-    text = SHORT.replace("[control]", '[target]\nmodel = "target"\nvelocity = ["-5 cm/s", 0, 0]\n[control]')
-    look = '[[task]]\nname = "look"\ntype = "look_at"\npoint = "end_effector"\nweight = 1e-6\n'
-    look += 'goal = { follow = "grapple" }\n'
-    still = '\n[[phase.task]]\nname = "look"\ntype = "damping"\n'
-    text = text.split("[[phase]]")[0].replace("5 ms", "1 ms") + look
-    held = 'grasp = { hand = "end_effector", fixture = "grapple", position = inf, angle = inf }'
-    text += f'[[phase]]\nname = "one"\nduration = 0.5\ntimeout = 1\n{held}\n'
-    text += f'[[phase]]\nname = "two"\nduration = 1\ntimeout = 2\nrelease = true\n{still}'
-    text += '[[phase]]\nname = "three"\nduration = 0.1\ntimeout = 1\n'
-    run = scenario.run(made(text))
+    look = {"name": "look", "type": "look_at", "point": "end_effector", "weight": 1e-6, "goal": {"follow": "grapple"}}
+    text = missions.toml(
+        missions.phase("one", duration=0.5, timeout=1, grasp=missions.GRASP),
+        missions.phase("two", {"name": "look", "type": "damping"}, duration=1, timeout=2, release=True),
+        missions.phase("three", duration=0.1, timeout=1),
+        robot=missions.PLANAR,
+        target={"model": "target", "velocity": ["-5 cm/s", 0, 0]},
+        control={"step": "1 ms", "period": "10 ms"},
+        tasks=[missions.REST, look],
+    )
+    run = scenario.run(load(text))
     assert run.complete, [phase.reason for phase in run.phases]
     last = run.segments[-1]
     q, v = last.trajectory.q[0], last.trajectory.v[0]
@@ -280,7 +239,7 @@ def test_a_task_of_all_phases_follows_the_target_anew_after_its_release(made):
     assert run.phases[2].errors["look"].norms[0, 1] == pytest.approx(angle, abs=1e-9)
 
 
-def test_a_simulation_that_fails_keeps_what_was_run(made, monkeypatch):
+def test_a_simulation_that_fails_keeps_what_was_run(load, monkeypatch):
     honest = runner.Controller.update
 
     def update(self, time, q, v):
@@ -289,13 +248,13 @@ def test_a_simulation_that_fails_keeps_what_was_run(made, monkeypatch):
         return honest(self, time, q, v)
 
     monkeypatch.setattr(runner.Controller, "update", update)
-    run = scenario.run(made(SHORT))
+    run = scenario.run(load(missions.SHORT))
     assert [phase.outcome for phase in run.phases] == ["complete", "failed"]
     assert run.phases[1].reason == "something is wrong"
     assert run.duration == pytest.approx(0.205)
 
 
-def test_a_phase_that_cannot_begin(made, monkeypatch):
+def test_a_phase_that_cannot_begin(load, monkeypatch):
     """The one before it stays complete."""
     honest = runner.Start.reference
 
@@ -305,27 +264,28 @@ def test_a_phase_that_cannot_begin(made, monkeypatch):
         return honest(start, plan)
 
     monkeypatch.setattr(runner.Start, "reference", reference)
-    run = scenario.run(made(SHORT))
+    run = scenario.run(load(missions.SHORT))
     assert [phase.outcome for phase in run.phases] == ["complete", "failed"]
     assert run.phases[1].reason == "nothing to follow"
     assert run.phases[1].start == run.phases[1].end
 
 
 @pytest.mark.parametrize("turn", [-200.0, 180.0, 500.0])
-def test_a_turn_of_any_angle_is_made(made, turn):
+def test_a_turn_of_any_angle_is_made(load, turn):
     """By the base, on wheels; 500 deg is one whole turn and 140 deg."""
-    text = SHORT.replace("[control]", 'base = "wheels"\n[control]', 1)
-    text = (
-        text[: text.index("[[phase.task]]")].replace('timeout = "0.4 s"', 'timeout = "9 s"')
-        + f"""
-[[phase.task]]
-name = "base"
-type = "base_attitude"
-goal = {{ turn = [0, 0, "{turn} deg"], duration = "8 s" }}
-completion = {{ angle = "1 deg", hold = "0.1 s" }}
-"""
+    base = {
+        "name": "base",
+        "type": "base_attitude",
+        "goal": {"turn": [0, 0, f"{turn} deg"], "duration": "8 s"},
+        "completion": {"angle": "1 deg", "hold": "0.1 s"},
+    }
+    text = missions.toml(
+        missions.phase("turn", base, timeout="9 s"),
+        robot=missions.PLANAR | {"base": "wheels"},
+        control={"step": "5 ms", "period": "10 ms"},
+        tasks=[missions.REST],
     )
-    run = scenario.run(made(text))
+    run = scenario.run(load(text))
     assert run.complete, [phase.reason for phase in run.phases]
     q, v = run.segments[0].trajectory.q, run.segments[0].trajectory.v
     turned = np.trapezoid(v[:, 5], run.segments[0].trajectory.time)
@@ -334,12 +294,12 @@ completion = {{ angle = "1 deg", hold = "0.1 s" }}
 
 
 @pytest.mark.parametrize("when", [0.0, 0.03, 0.045, 0.05, 0.2, 0.35])
-def test_an_interrupt_keeps_what_was_run(made, when):
+def test_an_interrupt_keeps_what_was_run(load, when):
     def interrupt(time):
         if time >= when:
             raise KeyboardInterrupt
 
-    run = scenario.run(made(SHORT), interrupt)
+    run = scenario.run(load(missions.SHORT), interrupt)
     assert run.interrupted
     assert not run.passed
     assert run.phases[-1].outcome == ("complete" if when == 0.35 else "interrupted")  # its last cycle was on its way

@@ -88,10 +88,10 @@ def test_the_schema_takes_a_mission_with_infinite_bounds():
         ('timeout = "1 s"', ""),
         ('timeout = "1 s"', 'timeout = "1 kg"'),
         ('timeout = "1 s"', "timeout = true"),
-        ("weight = 1e-4", "weight = -1"),
-        ("weight = 1e-4", "weight = 1e7"),
-        ("weight = 1e-4", "stifness = 1"),
-        ("weight = 1e-4", "level = 1.5"),
+        ("weight = 0.0001", "weight = -1"),
+        ("weight = 0.0001", "weight = 1e7"),
+        ("weight = 0.0001", "stifness = 1"),
+        ("weight = 0.0001", "level = 1.5"),
         ('type = "base_attitude"', 'type = "base_atitude"'),
         ('type = "posture"', 'type = "posture"\ngoal = "hold"'),
         ('fixture = "grapple"', 'fixtur = "grapple"'),
@@ -102,14 +102,12 @@ def test_the_schema_takes_a_mission_with_infinite_bounds():
         ("release = true", 'release = "yes"'),
     ],
 )
-def test_the_schema_refuses_what_load_refuses(tmp_path, was, now):
+def test_the_schema_refuses_what_load_refuses(load, was, now):
     assert was in missions.MISSION
     text = missions.MISSION.replace(was, now, 1)
     assert not VALIDATOR.is_valid(tomllib.loads(text))
-    file = tmp_path / "made.toml"
-    file.write_text(text)
     with pytest.raises(ospace.ScenarioError):
-        ospace.scenario.load(file)
+        load(text)
 
 
 @pytest.mark.parametrize("dimension", UNITS)

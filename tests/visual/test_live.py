@@ -14,35 +14,16 @@ from ospace.visual import Scene, run_report
 from ospace.visual.live import Live
 from ospace.visual.server import Server
 
-ORBIT = """
-[robot]
-model = "planar_2r"
-position = ["7000 km", 0, 0]
-velocity = [0, "7.5 km/s", 0]
-[target]
-model = "target"
-position = ["7000002 m", "1 m", 0]
-velocity = [0, "7.5 km/s", 0]
-[[phase]]
-name = "reach"
-duration = "0.2 s"
-timeout = "1 s"
-[[phase.task]]
-name = "near"
-type = "position"
-point = "end_effector"
-offset = { position = ["10 cm", 0, 0] }
-goal = "hold"
-[[phase]]
-name = "hold"
-duration = "0.1 s"
-timeout = "1 s"
-[[phase.task]]
-name = "tip"
-type = "position"
-point = "end_effector"
-goal = "hold"
-"""
+VELOCITY = [0, "7.5 km/s", 0]
+HOLD = {"name": "tip", "type": "position", "point": "end_effector", "goal": "hold"}
+ORBIT = missions.toml(
+    missions.phase(
+        "reach", HOLD | {"name": "near", "offset": {"position": ["10 cm", 0, 0]}}, duration="0.2 s", timeout="1 s"
+    ),
+    missions.phase("hold", HOLD, duration="0.1 s", timeout="1 s"),
+    robot={"model": "planar_2r", "position": ["7000 km", 0, 0], "velocity": VELOCITY},
+    target={"model": "target", "position": ["7000002 m", "1 m", 0], "velocity": VELOCITY},
+)
 
 
 @pytest.fixture(scope="module")
@@ -52,9 +33,7 @@ def content():
 
 @pytest.fixture(scope="module")
 def plan(tmp_path_factory):
-    file = tmp_path_factory.mktemp("orbit") / "orbit.toml"
-    file.write_text(ORBIT)
-    return scenario.load(file)
+    return missions.loaded(tmp_path_factory.mktemp("orbit"), ORBIT)
 
 
 def status(server, path, host):
@@ -113,9 +92,7 @@ def test_points_at_different_places_of_one_frame_are_all_shown(plan):
 
 def test_while_a_target_is_held_quantities_are_those_of_both(tmp_path):
     """The ball of the centre of mass, as it is displayed first in each segment."""
-    file = tmp_path / "mission.toml"
-    file.write_text(missions.MISSION)
-    plan = scenario.load(file)
+    plan = missions.loaded(tmp_path, missions.MISSION)
     robots, off = [], []
     with Live(plan) as live:
 

@@ -20,9 +20,7 @@ def ended(folder, steps, text=missions.MISSION):
         if done > steps:
             raise KeyboardInterrupt
 
-    file = folder / "mission.toml"
-    file.write_text(text)
-    run = scenario.run(scenario.load(file), progress)
+    run = scenario.run(missions.loaded(folder, text), progress)
     assert run.interrupted
     return run
 
