@@ -2,6 +2,8 @@
 
 import json
 
+import numpy as np
+
 from ospace import scenario
 
 TABLES = ("name", "robot", "target", "limits", "control")
@@ -110,3 +112,10 @@ def reaching(*, robot=None, target=None, wait=None, go=None, tip=None):
         target={"position": [1.0, 0.5, 0], "body": body} | (target or {}),
         tasks=[REST],
     )
+
+
+def at_cycles(run, phase):
+    """Return states at the cycles of a phase, by the times of the records."""
+    segment = run.segments[phase.segment]
+    records = [int(np.argmin(np.abs(segment.trajectory.time - time))) for time in phase.time]
+    return segment.robot, segment.trajectory.q[records], segment.trajectory.v[records]

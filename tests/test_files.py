@@ -19,7 +19,7 @@ def names(folder):
 
 
 @pytest.mark.parametrize("before", [None, "before"])
-def test_it_appears_when_it_is_whole(tmp_path, before):
+def test_a_file_appears_when_it_is_whole(tmp_path, before):
     file = tmp_path / "a.html"
     if before:
         file.write_text(before)
@@ -33,7 +33,7 @@ def test_it_appears_when_it_is_whole(tmp_path, before):
 
 @pytest.mark.parametrize("error", [OSError, KeyboardInterrupt])
 @pytest.mark.parametrize("before", [None, "before"])
-def test_what_fails_half_way_changes_nothing(tmp_path, before, error):
+def test_a_write_that_fails_half_way_changes_nothing(tmp_path, before, error):
     file = tmp_path / "a.html"
     if before:
         file.write_text(before)
@@ -50,7 +50,7 @@ def test_what_fails_half_way_changes_nothing(tmp_path, before, error):
 
 
 @pytest.mark.parametrize("there", [True, False])
-def test_a_link_stays_one(tmp_path, there):
+def test_a_link_stays_a_link(tmp_path, there):
     file, link = tmp_path / "real.txt", tmp_path / "link.html"
     if there:
         file.write_text("before")

@@ -11,7 +11,7 @@ SCRIPTS = sorted((Path(__file__).parents[1] / "scripts").glob("*.py"))
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
-def test_script(script):
+def test_every_script_runs(script):
     done = subprocess.run(
         [sys.executable, "-W", "error", script], capture_output=True, text=True, timeout=300, check=False
     )

@@ -41,7 +41,7 @@ def focused(page):
     )
 
 
-def test_tab_reaches_all(open_page, moving):
+def test_tab_reaches_all_controls(open_page, moving):
     page = open_page(moving)
     reached = []
     for _ in range(20):
@@ -54,7 +54,7 @@ def test_tab_reaches_all(open_page, moving):
     assert page.evaluate("getComputedStyle(document.activeElement).outlineStyle") == "solid"
 
 
-def test_keys_turn_the_view_and_play(open_page, moving):
+def test_keys_turn_the_view_and_play_the_motion(open_page, moving):
     page = open_page(moving)
     pane = page.locator("#pane")
     pane.focus()
@@ -108,14 +108,14 @@ def said(page):
     assert page.locator("#status").get_attribute("role") == "status"
 
 
-def test_what_a_scene_says(open_page, moving):
+def test_a_scene_is_readable_to_a_screen_reader(open_page, moving):
     page = open_page(moving)
     said(page)
     assert page.get_by_role("button", name="Play").count() == 1
     assert page.get_by_role("slider", name="time in seconds").count() == 1
 
 
-def test_what_a_report_says(open_page, report):
+def test_a_report_is_readable_to_a_screen_reader(open_page, report):
     page = open_page(report)
     said(page)
     tables = page.locator("table")

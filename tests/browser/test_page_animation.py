@@ -33,7 +33,7 @@ def from_frame(T, frame, elapsed):
     return seen
 
 
-def test_a_run_with_a_grasp(open_page, tmp_path):
+def test_a_page_of_a_grasp_moves_as_the_run_did(open_page, tmp_path):
     """Hand, base and target, before the grasp, while the target is held, and after its release."""
     run = missions.flown(tmp_path)
     assert [segment.held is not None for segment in run.segments] == [False, True, False]
@@ -78,7 +78,7 @@ def around(times, Q, time):
     return Q[k], Q[k + 1], float((time - times[k]) / (times[k + 1] - times[k]))
 
 
-def test_far_away_and_fast(open_page):
+def test_a_page_of_a_robot_in_orbit_moves_as_the_run_did(open_page):
     """7000 km from the origin, at 7.5 km/s: seen from the frame that moves along, every digit is there."""
     robot = SpaceRobot.from_urdf(MODELS / "chaser_24dof.urdf")
     rng = np.random.default_rng(2)
@@ -136,7 +136,7 @@ def test_a_sweep_keeps_the_centre_of_mass(open_page, swept):
         assert np.abs(h).max() < 1e-9
 
 
-def test_records_that_are_far_apart(open_page, swept):
+def test_records_that_are_far_apart_are_joined(open_page, swept):
     """Of every second record alone: the others are there too, and no link comes off the one before."""
     robot, motion, _ = swept
     scene = Scene(robot)
@@ -158,7 +158,7 @@ def test_records_that_are_far_apart(open_page, swept):
         np.testing.assert_allclose(placement, placement[:1].repeat(len(times), axis=0), rtol=0, atol=2 * NEAR)
 
 
-def test_whole_turns(open_page):
+def test_a_base_makes_whole_turns(open_page):
     """A steady spin, whose arc from key to key would be the shorter one the other way round."""
     robot = SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")
     time = np.linspace(0.0, 6.0, 1201)
@@ -175,7 +175,7 @@ def test_whole_turns(open_page):
     np.testing.assert_allclose(found, wanted, rtol=0, atol=2 * NEAR)
 
 
-def test_the_player(open_page):
+def test_the_player_plays_to_the_end_stops_and_begins_again(open_page):
     """Plays by itself to the end, stops there, and begins again; the slider and its words follow."""
     robot = SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")
     scene = Scene(robot)

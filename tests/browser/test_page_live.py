@@ -90,7 +90,7 @@ def follows(page, scene, q):
     page.until(AT, [hand(scene), wanted.T.ravel().tolist()])
 
 
-def test_all_pages_follow(open_page, scene, server, robot):
+def test_all_open_pages_follow_the_robot(open_page, scene, server, robot):
     first, second = open_page(server.address), open_page(server.address)
     q = robot.configuration({"joint_1": 0.7, "joint_2": -0.4})
     for page in (first, second):
@@ -154,7 +154,7 @@ def addresses():
         return [address for address in {probe.getsockname()[0]} if not address.startswith("127.")]
 
 
-def test_view_until_ctrl_c(open_page):
+def test_a_view_is_served_until_ctrl_c(open_page):
     with command("view", "planar_2r", "--sweep") as (process, address):
         port = int(address.rstrip("/").rsplit(":", 1)[1])
         assert address == f"http://127.0.0.1:{port}/"
@@ -175,7 +175,7 @@ def test_view_until_ctrl_c(open_page):
         assert page.locator("#status").is_visible()
 
 
-def test_run_with_a_view(open_page, tmp_path):
+def test_a_run_plays_while_it_is_computed_and_then_has_a_slider(open_page, tmp_path):
     """Plays while it runs, and then offers the slider."""
     with command("run", missions.written(tmp_path), "--view", "--headless") as (process, address):
         page = open_page(address)

@@ -126,7 +126,7 @@ def test_a_click_on_a_plot_goes_there(report):
         assert report.locator("#clock").inner_text() == f"{time:.2f} s"
 
 
-def test_phase_buttons_jump(report, reported):
+def test_a_phase_s_button_goes_to_its_start(report, reported):
     buttons = report.locator("#phases button")
     phases = reported[1].phases
     assert buttons.all_inner_texts() == [phase.name for phase in phases]

@@ -479,7 +479,7 @@ def test_without_the_extra_it_is_told_how_to_get_it(run, monkeypatch, page):
     ],
     ids=lambda arguments: " ".join(arguments)[:40],
 )
-def test_wrong_usage(run, arguments):
+def test_check_refuses_wrong_usage(run, arguments):
     status, out, err = run(*arguments)
     assert (status, out) == (2, "")
     assert err.startswith("usage: ospace")
@@ -509,7 +509,7 @@ def test_a_name_that_is_neither_file_nor_model(run):
     assert "chaser_24dof" in err
 
 
-def test_an_unknown_point(run):
+def test_an_unknown_point_is_refused(run):
     status, out, err = run("check", "chaser_24dof", "--point", "right_hand", "--point", "left_hnd")
     assert (status, out) == (2, "")
     assert "'left_hnd'" in err
@@ -579,7 +579,7 @@ def test_links_that_hang_from_themselves_do_not_hang_the_check(urdf, parts):
 # -- a process of its own ----------------------------------------------------------------------------------------
 
 
-def test_a_process_of_its_own():
+def test_check_runs_in_a_process_of_its_own():
     status, out, err = finished(command("check", "chaser_7dof", "--samples", "2"))
     assert (status, out.splitlines()[-1]) == (0, "sound: chaser_7dof: 0 errors, 0 warnings")
     assert ESCAPE not in out + err
@@ -724,7 +724,7 @@ def test_head_takes_the_first_line():
 
 
 @pytest.mark.parametrize("options", [[], ["--json"]], ids=["text", "json"])
-def test_a_full_disk(options):
+def test_a_full_disk_is_reported(options):
     with open("/dev/full", "w") as full:
         status, _, err = finished(command("check", "target", "--samples", "1", *options, stdout=full))
     assert status == 2

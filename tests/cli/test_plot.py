@@ -188,7 +188,7 @@ def test_help_lists_the_quantities(plot, monkeypatch):
     assert ", ".join(series.TITLES) in plot("--help")[1]
 
 
-def test_a_process_of_its_own(logged, tmp_path):
+def test_plot_runs_in_a_process_of_its_own(logged, tmp_path):
     done = subprocess.run(
         [sys.executable, "-W", "error", "-m", "ospace.cli", "plot", logged[0], "--out", tmp_path / "out.png"],
         cwd=ROOT, capture_output=True, text=True, timeout=120, check=False,

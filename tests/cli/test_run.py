@@ -103,12 +103,12 @@ def test_check_runs_nothing(run, made):
 
 
 @pytest.mark.parametrize("name", ospace.models.scenarios())
-def test_check_by_name(run, name):
+def test_scenarios_that_come_with_ospace_are_valid(run, name):
     assert run(name, "--check")[0] == 0
 
 
 @pytest.mark.parametrize("options", [[], ["--check"]])
-def test_a_mistake(run, made, options):
+def test_a_mistake_in_a_scenario_is_named(run, made, options):
     file = made(missions.SHORT.replace("timeout", "timout"))
     status, out, err = run(file, *options)
     assert (status, out) == (2, "")
@@ -127,7 +127,7 @@ def test_a_mistake(run, made, options):
         ([], "required: SCENARIO"),
     ],
 )
-def test_wrong_usage(run, arguments, words):
+def test_run_refuses_wrong_usage(run, arguments, words):
     status, out, err = run(*arguments)
     assert (status, out) == (2, "")
     assert words in err
@@ -302,7 +302,7 @@ def test_a_file_is_not_written_twice(run, made, tmp_path):
     assert not npz.exists()
 
 
-def test_a_process_of_its_own(made):
+def test_run_in_a_process_of_its_own_prints_no_colour(made):
     done = subprocess.run(
         [sys.executable, "-W", "error", "-m", "ospace.cli", "run", made()],
         cwd=ROOT, capture_output=True, text=True, timeout=SECONDS, check=False,

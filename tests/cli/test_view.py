@@ -182,7 +182,7 @@ def test_an_output_that_cannot_be_written(view, tmp_path):
     assert "No space left on device" in err
 
 
-def test_a_port_in_use(view):
+def test_a_port_in_use_is_refused(view):
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()

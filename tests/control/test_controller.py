@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pinocchio as pin
 import pytest
-import qpsolvers
+from commands import accelerations, paper_tasks, state, unlimited
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -23,63 +23,13 @@ from ospace.control import (
     LookAtTask,
     MinimumJerk,
     MomentumTask,
-    OrientationTask,
     PoseTask,
     PositionTask,
     PostureTask,
     RelativePoseTask,
 )
 from ospace.control.base import MODES
-from ospace.dynamics.joint_friction import FRICTION_VELOCITY
 from ospace.validation.sampling import random_state
-
-
-@pytest.fixture(scope="module")
-def chaser():
-    return ospace.SpaceRobot.from_urdf(ospace.models.path("chaser_24dof"))
-
-
-@pytest.fixture(scope="module")
-def hand(chaser):
-    return chaser.point("right_hand")
-
-
-@pytest.fixture(scope="module")
-def head(chaser):
-    return chaser.point("head", offset=pin.SE3(pin.exp3(np.array([0.3, -0.2, 0.5])), np.array([0.1, 0.2, -0.1])))
-
-
-def state(robot, seed, speed=0.3):
-    drawn = random_state(robot, np.random.default_rng(seed))
-    return drawn.q.copy(), speed * drawn.v
-
-
-def paper_tasks(robot, hand, head):
-    return [
-        PoseTask(name="hand", point=hand),
-        OrientationTask(name="head", point=head),
-        BaseAttitudeTask(name="base", robot=robot),
-        PostureTask(name="posture"),
-    ]
-
-
-def forces(robot, q, command):
-    """The generalized forces of a command, as Pinocchio takes them."""
-    R = robot.base_pose(q).rotation
-    wrench = command.base_wrench.copy()
-    wrench[3:] += command.wheel_torque
-    return np.concatenate([R.T @ wrench[:3], R.T @ wrench[3:], command.torque])
-
-
-def accelerations(robot, q, v, command):
-    return pin.aba(robot.model, robot.model.createData(), q, v, forces(robot, q, command))
-
-
-NO_LIMITS = {"torque": np.inf, "lower": -np.inf, "upper": np.inf, "velocity": np.inf, "acceleration": np.inf}
-
-
-def unlimited(robot, **known):
-    return JointLimits(**{name: np.full(robot.n_joints, value) for name, value in {**NO_LIMITS, **known}.items()})
 
 
 @pytest.mark.parametrize("base", MODES)
@@ -195,7 +145,7 @@ def test_errors_fall_as_those_of_a_damped_spring(chaser, hand, head, kind, seed)
     assert np.linalg.norm(told) == pytest.approx(np.linalg.norm(errors[1]), rel=1e-3)
 
 
-def test_joint_tasks(chaser):
+def test_posture_and_damping_accelerate_the_joints_as_they_say(chaser):
     q, v = state(chaser, 5)
     names = chaser.joint_names[:3]
     run = Controller(
@@ -230,31 +180,9 @@ def test_momentum_is_dumped_by_the_base(chaser, base):
     np.testing.assert_allclose(rate[rows], expected, rtol=0, atol=2e-3 * np.abs(expected).max())
 
 
-def test_wheels_keep_within_their_momentum(chaser):
-    q, v = chaser.configuration(), np.zeros(24)
-    goal = Constant(pin.SE3(pin.exp3(np.array([0.0, 0.0, 1.0])), np.zeros(3)))
-    base = Base(torque=50.0, wheels=True, wheel_momentum=2.0)
-    run = Controller(
-        chaser, [BaseAttitudeTask(name="turn", robot=chaser, reference=goal), DampingTask(name="rest")], base=base
-    )
-    largest = 0.0
-    assert {f"base torque z, {side}" for side in ("lower", "upper")} & {*run.update(0.0, q, v).active_limits}
-    for k in range(2000):
-        command = run.update(k * 1e-3, q, v)
-        a = accelerations(chaser, q, v, command)
-        v = v + 1e-3 * a
-        q = pin.integrate(chaser.model, q, v * 1e-3)
-        largest = max(largest, np.abs(chaser.base_pose(q).rotation.T @ run.wheel_momentum).max())
-    assert 1.9 < largest < 2.0 + 1e-3
-    assert {f"base torque z: wheel momentum, {side}" for side in ("lower", "upper")} & {*command.active_limits}
-
-
-# -- limits ------------------------------------------------------------------------------------------------------
-
-
 @settings(max_examples=150, deadline=None)
 @given(st.integers(0, 10**6), st.floats(0.01, 3.0), st.sampled_from(sorted(MODES)))
-def test_no_state_and_no_target_breaks_it(chaser, hand, head, seed, share, base):
+def test_no_state_and_no_target_breaks_the_controller(chaser, hand, head, seed, share, base):
     rng = np.random.default_rng(seed)
     q, v = state(chaser, seed, speed=rng.choice([0.0, 1.0, 10.0]))
     q[7:] = rng.uniform(-4.0, 4.0, 18)  # beyond the limits too
@@ -300,21 +228,6 @@ def test_every_status_is_true_and_explained(name, leveled):
             assert excess[: robot.n_joints].max() > 1e-7
 
 
-def test_a_level_that_repeats_another_takes_nothing_from_those_below(chaser, hand, head):
-    q, v = state(chaser, 8)
-    far = Constant(pin.SE3.Identity())
-    below = [OrientationTask(name="head", point=head, reference=far), PostureTask(name="posture", weight=1.0)]
-    first = PoseTask(name="hand", point=hand, reference=far, level=0)
-    again = PoseTask(name="again", point=hand, reference=far, level=1)
-    alone, repeated = (
-        Controller(chaser, tasks, limits=unlimited(chaser)).update(0.0, q, v)
-        for tasks in ([first, *below], [first, again, *below])
-    )
-    np.testing.assert_allclose(
-        repeated.joint_acceleration, alone.joint_acceleration, atol=1e-6 * np.abs(alone.joint_acceleration).max()
-    )
-
-
 def test_what_a_task_does_not_take_does_not_weigh(chaser):
     """The place of an orientation's reference is of no account, however far away."""
     q, v = chaser.configuration(), np.zeros(24)
@@ -340,213 +253,7 @@ def test_a_momentum_follows_its_rate(chaser):
     np.testing.assert_allclose(moment, rate[3:], atol=1e-4)
 
 
-def test_limits_hold_in_motion_and_are_named(chaser, hand):
-    robot, q, v = chaser, chaser.configuration(), np.zeros(24)
-    limits = JointLimits.of(robot, acceleration=2.0)
-    start = robot.state(q, v).placement(hand)
-    far = Constant(pin.SE3(start.rotation, start.translation + [3.0, 2.0, -1.0]))
-    run = Controller(
-        robot, [PositionTask(name="reach", point=hand, reference=far), DampingTask(name="rest")], limits=limits
-    )
-    told, highest = set(), np.zeros(18)
-    for k in range(6000):
-        command = run.update(k * 1e-3, q, v)
-        assert command.status == "nominal"
-        told.update(command.active_limits)
-        a = accelerations(robot, q, v, command)
-        q = pin.integrate(robot.model, q, 1e-3 * (v + 0.5e-3 * a))
-        v = v + 1e-3 * a
-        highest = np.maximum(highest, np.abs(v[6:]))
-        assert (q[7:] <= limits.upper + 1e-6).all()
-        assert (q[7:] >= limits.lower - 1e-6).all()
-    assert (highest <= limits.velocity * (1.0 + 1e-6)).all()
-    for kind in ("position", "velocity", "acceleration"):
-        assert any(f": {kind}, " in name for name in told), (kind, told)
-    assert all(name.split(":")[0] in robot.joint_names for name in told)
-
-
-@pytest.mark.parametrize("outside", [0.05, 0.5])
-def test_joints_outside_their_limits_come_back(chaser, outside):
-    limits = JointLimits.of(chaser, acceleration=3.0)
-    q, v = chaser.configuration(), np.zeros(24)
-    bounded = np.flatnonzero(np.isfinite(limits.upper))
-    q[7 + bounded] = limits.upper[bounded] + outside
-    run = Controller(chaser, [DampingTask(name="rest")], limits=limits)
-    for k in range(4000):
-        command = run.update(k * 1e-3, q, v)
-        beyond = chaser.outside_limits(q)
-        assert (command.status == "outside limits") == (max(beyond.values(), default=0.0) > 1e-6)
-        v = v + 1e-3 * accelerations(chaser, q, v, command)
-        q = pin.integrate(chaser.model, q, 1e-3 * v)
-    assert command.status == "nominal"
-    assert (q[7 + bounded] <= limits.upper[bounded] + 1e-6).all()
-
-
-def test_torque_limits_stand_above_motion_limits(chaser, hand):
-    q, v = chaser.configuration(), np.zeros(24)
-    v[6:] = 1.4  # with next to no torque, nothing keeps joints from passing their velocity limits
-    limits = JointLimits.of(chaser, share=1e-3)
-    command = Controller(chaser, [PoseTask(name="hand", point=hand)], limits=limits).update(0.0, q, v)
-    assert command.status == "softened"
-    assert command.softened
-    assert (np.abs(command.torque) <= limits.torque * (1.0 + 1e-8)).all()
-    assert any("torque" in name for name in command.active_limits)
-
-
-@pytest.mark.parametrize("share", [1.0, 0.02])
-def test_a_solver_that_fails_ends_in_a_damped_stop(chaser, hand, share):
-    limits = JointLimits.of(chaser, share=share)
-    run = Controller(chaser, [PoseTask(name="hand", point=hand)], limits=limits)
-    run._solve = lambda program: None
-    for seed in range(20):
-        q, v = state(chaser, seed, speed=1.0)
-        command = run.update(0.0, q, v)
-        assert command.status == "stopped"
-        assert "braked" in command.explanation
-        assert (np.abs(command.torque) <= limits.torque).all()
-        assert (command.torque * v[6:] <= 1e-10).all()
-        a = accelerations(chaser, q, v, command)
-        np.testing.assert_allclose(a[6:], command.joint_acceleration, rtol=0, atol=1e-8 * np.abs(a).max())
-
-
-# -- priorities and solvers --------------------------------------------------------------------------------------
-
-
-def test_a_strict_level_costs_those_above_nothing(chaser, hand, head):
-    q, v = state(chaser, 8)
-    first = {"name": "hand", "point": hand, "reference": Constant(chaser.state(q, v).placement(hand))}
-    rest = [
-        OrientationTask(name="head", point=head, level=1, reference=Constant(pin.SE3.Identity())),
-        BaseAttitudeTask(name="base", robot=chaser, level=2, reference=Constant(pin.SE3.Identity())),
-        PoseTask(name="left", point=chaser.point("left_hand"), reference=Constant(pin.SE3.Identity())),
-    ]
-    alone = Controller(chaser, [PoseTask(**first, level=0)], limits=unlimited(chaser)).update(0.0, q, v)
-    together = Controller(chaser, [PoseTask(**first, level=0), *rest], limits=unlimited(chaser)).update(0.0, q, v)
-    for command in (alone, together):
-        assert np.abs(command.residuals["hand"]).max() < 1e-4
-    difference = together.residuals["hand"] - alone.residuals["hand"]
-    assert np.abs(difference).max() < 1e-8
-    assert np.abs(together.residuals["head"]).max() < 1e-2
-    tasks = [PoseTask(**first), *(type(task)(**{**vars(task), "level": None}) for task in rest)]
-    weighted = Controller(chaser, tasks, limits=unlimited(chaser)).update(0.0, q, v)
-    assert np.abs(weighted.residuals["hand"]).max() > 1e-2
-
-
-def test_levels_keep_limits(chaser, hand, head):
-    q, v = state(chaser, 9)
-    limits = JointLimits.of(chaser, share=0.05, acceleration=5.0)
-    tasks = [
-        PoseTask(name="hand", point=hand, level=0, reference=Constant(pin.SE3.Identity())),
-        OrientationTask(name="head", point=head, level=1, reference=Constant(pin.SE3.Identity())),
-        PostureTask(name="posture", weight=1.0),
-    ]
-    command = Controller(chaser, tasks, limits=limits).update(0.0, q, 0.1 * v)
-    assert command.status == "nominal"
-    assert (np.abs(command.torque) <= limits.torque * (1 + 1e-8)).all()
-    assert (np.abs(command.joint_acceleration) <= 5.0 + 1e-4).all()
-
-
-def test_the_solvers_that_are_compared_are_many():
-    assert set(qpsolvers.available_solvers) >= {"daqp", "proxqp", "quadprog", "clarabel", "highs", "osqp", "piqp"}
-
-
-def test_a_solver_that_is_too_rough_is_refused(chaser, hand):
-    with pytest.raises(ospace.OspaceError, match="'ecos'"):
-        Controller(chaser, [PoseTask(name="hand", point=hand)], solver="ecos")
-
-
-SOLVERS = sorted({*qpsolvers.available_solvers} - {"daqp", "ecos"})
-
-
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_all_solvers_give_the_same(chaser, hand, head, solver):
-    limits = JointLimits.of(chaser, share=0.2, acceleration=5.0)
-    tasks = paper_tasks(chaser, hand, head)
-    runs = [Controller(chaser, tasks, limits=limits, solver=name, base="flying") for name in ("daqp", solver)]
-    for seed in range(10):
-        q, v = state(chaser, seed)
-        for run in runs:
-            run.follow("hand", Constant(pin.SE3.Identity()))
-        one, other = (run.update(0.0, q, v) for run in runs)
-        for name in ("joint_acceleration", "torque", "base_wrench"):
-            value, reference = getattr(other, name), getattr(one, name)
-            np.testing.assert_allclose(value, reference, rtol=0, atol=1e-6 * max(1.0, np.abs(reference).max()))
-
-
-def leveled_states(robot, point, count):
-    """Tasks of two levels and one without, limits and states of which many stand on limits."""
-    rng = np.random.default_rng(11)
-    lower, upper = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
-    for k in range(count):
-        q, v = robot.configuration(), (0.3 if k % 2 else 0.02) * rng.normal(size=robot.nv)
-        q[7:] = rng.uniform(np.maximum(lower, -2.5), np.minimum(upper, 2.5))
-        small = pin.SE3(pin.exp3(0.2 * rng.normal(size=3)), 0.1 * rng.normal(size=3))
-        goal = Constant(robot.state(q, v).placement(point) * small)
-        turn = Constant(pin.SE3(pin.exp3(rng.normal(size=3)), np.zeros(3)))
-        tasks = [
-            PoseTask(name="hand", point=point, stiffness=100.0, level=0, reference=goal),
-            BaseAttitudeTask(name="base", robot=robot, stiffness=50.0, level=1, reference=turn),
-            DampingTask(name="rest", stiffness=1.0),
-        ]
-        yield tasks, q, v
-
-
-SLOW = {"highs": 20, "osqp": 5, "scs": 5}
-
-
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_all_solvers_give_the_same_by_levels(chaser, hand, solver):
-    limits = JointLimits.of(chaser, share=0.3)
-    for tasks, q, v in leveled_states(chaser, hand, SLOW.get(solver, 100)):
-        one, other = (
-            Controller(chaser, tasks, limits=limits, solver=name).update(0.0, q, v) for name in ("daqp", solver)
-        )
-        assert one.status == other.status == "nominal", (one.explanation, other.explanation)
-        assert not other.dropped
-        np.testing.assert_allclose(other.torque, one.torque, rtol=0, atol=1e-4 * (1.0 + np.abs(one.torque).max()))
-
-
-@pytest.mark.parametrize("name", ["planar_2r", "ets_vii", "chaser_7dof", "chaser_24dof"])
-@pytest.mark.parametrize("solver", ["daqp", "proxqp"])
-def test_no_level_is_dropped_and_levels_are_those_of_quadprog(name, solver):
-    """In states of which many need softened limits, and in which solvers alone fail."""
-    robot = ospace.SpaceRobot.from_urdf(ospace.models.path(name))
-    point, rng = robot.point(robot.leaf_links[-1]), np.random.default_rng(5)
-    for seed in range(40):
-        drawn = random_state(robot, np.random.default_rng(seed))
-        limits = JointLimits.of(robot, share=rng.choice([1.0, 0.05]), acceleration=rng.choice([np.inf, 5.0]))
-        goal = Constant(pin.SE3(pin.exp3(rng.normal(size=3)), drawn.q[:3] + rng.normal(scale=3.0, size=3)))
-        tasks = [PoseTask(name="hand", point=point, reference=goal, level=0)]
-        tasks += [BaseAttitudeTask(name="base", robot=robot, level=1), PostureTask(name="posture")]
-        v = rng.choice([0.0, 0.1, 1.0]) * drawn.v
-        one, other = (
-            Controller(robot, tasks, limits=limits, base=sorted(MODES)[seed % 4], solver=kind).update(0.0, drawn.q, v)
-            for kind in (solver, "quadprog")
-        )
-        assert one.status == other.status != "degraded"
-        if one.status == "nominal":
-            atol = 1e-3 * (1.0 + np.abs(other.torque).max())
-            np.testing.assert_allclose(one.torque, other.torque, rtol=0, atol=atol)
-
-
-@pytest.mark.parametrize("level", [1, None])
-def test_a_level_without_a_solution_is_named(chaser, hand, level):
-    tasks, q, v = next(leveled_states(chaser, hand, 1))
-    run = Controller(chaser, tasks, limits=JointLimits.of(chaser, share=0.3))
-    whole = run.update(0.0, q, v)
-    solve, calls, failing = run._solve, itertools.count(), 1 if level == 1 else 2
-    run._solve = lambda program: None if next(calls) == failing else solve(program)
-    command = run.update(0.0, q, v)
-    name = "base" if level == 1 else "rest"
-    assert command.status == "degraded"
-    assert command.dropped == {level: (name,)}
-    assert ("level 1" if level == 1 else "without a level") in command.explanation
-    assert f"'{name}'" in command.explanation
-    np.testing.assert_allclose(command.residuals["hand"], whole.residuals["hand"], rtol=0, atol=1e-4)
-    assert (np.abs(command.torque) <= run.limits.torque).all()
-
-
-def test_near_a_singularity_it_damps(chaser, hand):
+def test_near_a_singularity_the_controller_damps(chaser, hand):
     q, v = chaser.configuration(), np.zeros(24)
     reference = Constant(pin.SE3(np.eye(3), np.array([5.0, 0.0, 0.0])))
     sensitive = Controller(chaser, [PoseTask(name="hand", point=hand, reference=reference)], singular=1.0 - 1e-9)
@@ -559,60 +266,7 @@ def test_near_a_singularity_it_damps(chaser, hand):
     assert full.smallest_singular_value > 0.0
 
 
-# -- references and completion -----------------------------------------------------------------------------------
-
-
-def test_minimum_jerk_starts_and_ends_at_rest(chaser, hand):
-    q, v = chaser.configuration(), np.zeros(24)
-    origin = chaser.state(q, v).placement(hand)
-    goal = origin * pin.SE3(pin.exp3(np.array([0.4, 0.1, -0.3])), np.array([0.05, -0.1, 0.1]))
-    task = PoseTask(name="hand", point=hand, reference=MinimumJerk(origin, goal, 1.0, 4.0))
-    run = Controller(chaser, [task], limits=unlimited(chaser))
-    for time in (0.0, 1.0):
-        assert np.abs(run.update(time, q, v).errors["hand"]).max() < 1e-12
-    half = run.update(3.0, q, v).errors["hand"]
-    np.testing.assert_allclose(half[:3], 0.5 * (goal.translation - origin.translation), atol=1e-12)
-    np.testing.assert_allclose(half[3:], 0.5 * pin.log3(goal.rotation @ origin.rotation.T), atol=1e-12)
-    end = run.update(9.0, q, v).errors["hand"]
-    np.testing.assert_allclose(end[3:], pin.log3(goal.rotation @ origin.rotation.T), atol=1e-12)
-
-
-@pytest.mark.parametrize("angle", [1e-9, 0.5, 3.1, np.pi - 1e-7, np.pi])
-def test_large_turns_are_errors_of_their_size(chaser, hand, angle):
-    q, v = chaser.configuration(), np.zeros(24)
-    pose = chaser.state(q, v).placement(hand)
-    for axis in np.eye(3):
-        goal = Constant(pin.SE3(pin.exp3(angle * axis) @ pose.rotation, pose.translation))
-        run = Controller(chaser, [PoseTask(name="hand", point=hand, reference=goal)])
-        error = run.update(0.0, q, v).errors["hand"]
-        assert np.linalg.norm(error[3:]) == pytest.approx(angle, abs=1e-7)
-        assert abs(error[3:] @ axis) == pytest.approx(angle, abs=1e-7)
-
-
-def test_completion_needs_its_time(chaser, hand):
-    q, v = chaser.configuration(), np.zeros(24)
-    task = PoseTask(name="hand", point=hand, completion=Completion(position=1e-3, angle=1e-3, hold=0.2))
-    run = Controller(chaser, [task])
-    done = []
-    for time in (0.0, 0.1, 0.19, 0.2, 0.3):
-        run.update(time, q, v)
-        done.append(run.completed("hand"))
-    assert done == [False, False, False, True, True]
-    moved = q.copy()
-    moved[8] += 0.1
-    run.update(0.4, moved, v)
-    assert not run.completed("hand")
-    run.follow("hand", MinimumJerk(run.pose(hand), run.pose(hand), 0.4, 1.0))
-    for time in (0.5, 1.3, 1.4, 1.6):
-        run.update(time, moved, v)
-    assert run.completed("hand")
-    run.follow("hand", MinimumJerk(run.pose(hand), run.pose(hand), 1.6, 1.0))
-    for time in (1.6, 1.9):
-        run.update(time, moved, v)
-    assert not run.completed("hand")
-
-
-def test_far_from_the_origin_nothing_changes(chaser, hand, head):
+def test_far_from_the_origin_commands_do_not_change(chaser, hand, head):
     q, v = state(chaser, 4)
     away = q.copy()
     away[:3] += 7e6
@@ -620,198 +274,6 @@ def test_far_from_the_origin_nothing_changes(chaser, hand, head):
         Controller(chaser, paper_tasks(chaser, hand, head)).update(0.0, configuration, v) for configuration in (q, away)
     )
     np.testing.assert_allclose(there.torque, here.torque, rtol=0, atol=1e-6 * np.abs(here.torque).max())
-
-
-# -- joints without a drive, joints that rub ----------------------------------------------------------------------
-
-
-def idle(robot, *joints):
-    torque = np.full(robot.n_joints, 20.0)
-    torque[list(joints)] = 0.0
-    return unlimited(robot, torque=torque)
-
-
-@pytest.mark.parametrize("solver", ["daqp", *SOLVERS])
-@pytest.mark.parametrize("joints", [(2,), (0, 7, 17)])
-def test_joints_without_a_drive_move_as_the_others_make_them(chaser, hand, head, solver, joints):
-    """The least squares of the tasks over the accelerations that leave those torques zero, from Pinocchio's inertia."""
-    q, v = state(chaser, 21, speed=0.05)
-    near = Constant(chaser.state(q, v).placement(hand) * pin.SE3(np.eye(3), np.array([0.01, 0.0, 0.0])))
-    tasks = [
-        PoseTask(name="hand", point=hand, reference=near),
-        OrientationTask(name="head", point=head),
-        PostureTask(name="posture", weight=0.1),
-    ]
-    limits = unlimited(chaser, torque=np.where(np.isin(np.arange(18), joints), 0.0, np.inf))
-    run = Controller(chaser, tasks, limits=limits, regularization=1e-6, solver=solver)
-    command = run.update(0.0, q, v)
-    assert (command.torque[list(joints)] == 0.0).all()
-    assert command.status == "nominal"
-    assert not any(chaser.joint_names[j] in limit for j in joints for limit in command.active_limits)
-    model, data = chaser.model, chaser.model.createData()
-    H = pin.crba(model, data, q)
-    H = np.triu(H) + np.triu(H, 1).T
-    c = pin.nonLinearEffects(model, data, q, v)
-    coupling = np.linalg.solve(H[:6, :6], np.column_stack([H[:6, 6:], c[:6]]))
-    reduced, bias = H[6:, 6:] - H[6:, :6] @ coupling[:, :18], c[6:] - H[6:, :6] @ coupling[:, 18]
-    A, asked = [], []
-    free = Controller(chaser, tasks, limits=unlimited(chaser), regularization=1e-6).update(0.0, q, v)
-    for task in tasks:
-        rows = slice(*np.cumsum([0, 6, 3, 18])[[tasks.index(task), tasks.index(task) + 1]])
-        A.append(np.sqrt(task.weight) * free._rows[0][rows])
-        asked.append(np.sqrt(task.weight) * (free._rows[0][rows] @ free.joint_acceleration - free._rows[2][rows]))
-    A, asked, k = np.vstack(A), np.concatenate(asked), len(joints)
-    rows = reduced[list(joints)]
-    kkt = np.block([[A.T @ A + 1e-6 * np.eye(18), rows.T], [rows, np.zeros((k, k))]])
-    expected = np.linalg.solve(kkt, np.concatenate([A.T @ asked, -bias[list(joints)]]))[:18]
-    atol = 1e-5 * np.abs(expected).max()
-    np.testing.assert_allclose(command.joint_acceleration, expected, rtol=0, atol=atol)
-    a = accelerations(chaser, q, v, command)
-    np.testing.assert_allclose(a[6:], command.joint_acceleration, rtol=0, atol=1e-6 * np.abs(a).max())
-
-
-@pytest.mark.parametrize("leveled", [False, True])
-def test_no_state_drives_a_joint_without_a_drive(chaser, hand, leveled):
-    limits = JointLimits.of(chaser, acceleration=5.0)
-    torque = limits.torque.copy()
-    torque[[1, 9]] = 0.0
-    limits = JointLimits(torque, limits.lower, limits.upper, limits.velocity, limits.acceleration)
-    tasks = [
-        PoseTask(name="hand", point=hand, reference=Constant(pin.SE3.Identity()), level=0 if leveled else None),
-        BaseAttitudeTask(name="base", robot=chaser, level=1 if leveled else None),
-        DampingTask(name="rest"),
-    ]
-    names = [chaser.joint_names[j] for j in (1, 9)]
-    seen = set()
-    for seed in range(40):
-        q, v = state(chaser, seed, speed=(0.0, 0.1, 1.0)[seed % 3])
-        command = Controller(chaser, tasks, limits=limits).update(0.0, q, v)
-        seen.add(command.status)
-        assert command.status in ("nominal", "softened"), command.explanation
-        assert (command.torque[[1, 9]] == 0.0).all()
-        for j, name in zip((1, 9), names, strict=True):
-            rate = v[6 + j] + 1e-3 * command.joint_acceleration[j]
-            passed = abs(rate) > limits.velocity[j] + 1e-7 or abs(command.joint_acceleration[j]) > 5.0 + 1e-4
-            assert passed <= (name in command.softened), (seed, command.explanation)
-    assert seen == {"nominal", "softened"}
-
-
-def test_a_joint_of_velocity_zero_is_held(chaser, hand):
-    q, v = chaser.configuration(), np.zeros(24)
-    limits = JointLimits.of(chaser)
-    velocity = limits.velocity.copy()
-    velocity[7] = 0.0
-    limits = JointLimits(limits.torque, limits.lower, limits.upper, velocity, limits.acceleration)
-    run = Controller(chaser, PoseTask(name="hand", point=hand, reference=Constant(pin.SE3.Identity())), limits=limits)
-    command = run.update(0.0, q, v)
-    assert command.status == "nominal"
-    assert abs(command.joint_acceleration[7]) < 1e-9
-    assert np.abs(command.joint_acceleration).max() > 1.0
-
-
-def test_limits_of_zero_are_taken_from_the_model(chaser):
-    robot = ospace.SpaceRobot.from_model(chaser.model.copy())
-    robot.model.effortLimit[6 + 3] = 0.0
-    robot.model.velocityLimit[6 + 4] = 0.0
-    robot.model.effortLimit[6 + 5] = robot.model.velocityLimit[6 + 5] = 0.0
-    limits = JointLimits.of(robot, share=0.5)
-    assert limits.torque[3] == 0.0
-    assert limits.velocity[4] == 0.0
-    assert limits.torque[5] == 0.0
-    assert limits.velocity[5] == np.inf  # nothing is there to hold it still
-    assert (np.delete(limits.torque, [3, 5]) > 0.0).all()
-
-
-def whole_acceleration(robot, q, v, command):
-    """v̇ of a command, as Pinocchio has it."""
-    R, omega = robot.base_pose(q).rotation, v[3:6]
-    base = command.base_acceleration
-    return np.concatenate([R.T @ base[:3] - np.cross(omega, v[:3]), R.T @ base[3:], command.joint_acceleration])
-
-
-@pytest.fixture(scope="module")
-def rubbing(chaser):
-    """Damping and friction in proportion to the inertia of each joint, as drives of that size have."""
-    robot = ospace.SpaceRobot.from_model(chaser.model.copy())
-    rng, model = np.random.default_rng(3), robot.model
-    inertia = ospace.generalized_dynamics(chaser.state(chaser.configuration())).generalized_inertia.diagonal()
-    friction = np.concatenate([np.zeros(6), rng.uniform(0.0, 5.0, 18) * inertia])
-    model.damping = np.concatenate([np.zeros(6), rng.uniform(0.0, 20.0, 18) * inertia])
-    model.upperDryFrictionLimit, model.lowerDryFrictionLimit = friction, -friction
-    return robot
-
-
-def passive(robot, v):
-    friction = robot.model.upperDryFrictionLimit[6:] * np.tanh(v[6:] / FRICTION_VELOCITY)
-    return -robot.model.damping[6:] * v[6:] - friction
-
-
-@pytest.mark.parametrize("base", MODES)
-def test_drives_make_up_for_friction(chaser, rubbing, base):
-    """The same accelerations as without friction, by torques that differ by it."""
-    for seed in range(5):
-        q, v = state(chaser, seed)
-        smooth, rough = (
-            Controller(
-                robot,
-                paper_tasks(robot, robot.point("right_hand"), robot.point("head")),
-                base=base,
-                limits=unlimited(robot),
-            ).update(0.0, q, v)
-            for robot in (chaser, rubbing)
-        )
-        end = v.copy()
-        end[6:] += 1e-3 * rough.joint_acceleration
-        np.testing.assert_allclose(rough.torque - smooth.torque, -passive(rubbing, end), rtol=0, atol=1e-6)
-        np.testing.assert_allclose(rough.joint_acceleration, smooth.joint_acceleration, rtol=0, atol=1e-7)
-        tau = forces(rubbing, q, rough)
-        tau[6:] += passive(rubbing, end)
-        a = pin.aba(rubbing.model, rubbing.model.createData(), q, v, tau)
-        np.testing.assert_allclose(a[6:], rough.joint_acceleration, rtol=0, atol=1e-8 * np.abs(a).max())
-
-
-@pytest.mark.parametrize("leveled", [False, True])
-def test_torque_limits_hold_with_friction(rubbing, leveled):
-    limits = JointLimits.of(rubbing, share=0.1)
-    hand, on = rubbing.point("right_hand"), 0
-    for seed in range(20):
-        q, v = state(rubbing, seed, speed=0.1)
-        task = PoseTask(name="hand", point=hand, reference=Constant(pin.SE3.Identity()), level=0 if leveled else None)
-        command = Controller(rubbing, [task, DampingTask(name="rest")], limits=limits).update(0.0, q, v)
-        assert (np.abs(command.torque) <= limits.torque).all()
-        planned = forces(rubbing, q, command)
-        planned[6:] = pin.rnea(
-            rubbing.model, rubbing.model.createData(), q, v, whole_acceleration(rubbing, q, v, command)
-        )[6:]
-        left = planned[6:] - passive(rubbing, v)
-        assert (np.abs(left) <= limits.torque + 1e-5 * np.maximum(1.0, limits.torque)).all()
-        on += any("torque" in name for name in command.active_limits)
-    assert on > 5
-
-
-def test_a_robot_that_rubs_tracks_as_well(chaser, rubbing):
-    worst = {}
-    for name, known, moved in (("smooth", chaser, chaser), ("rough", rubbing, rubbing), ("unknown", chaser, rubbing)):
-        hand = known.point("right_hand")
-        q, v = known.configuration(), np.zeros(24)
-        origin = known.state(q, v).placement(hand)
-        goal = origin * pin.SE3(pin.exp3(np.array([0.2, 0.1, -0.1])), np.array([0.05, -0.1, 0.1]))
-        task = PoseTask(name="hand", point=hand, stiffness=100.0, reference=MinimumJerk(origin, goal, 0.0, 1.0))
-        run, worst[name] = Controller(known, [task, DampingTask(name="rest")]), 0.0
-        data, h, substeps = moved.model.createData(), 1e-3, 20
-        for k in range(1000):
-            command = run.update(k * h, q, v)
-            worst[name] = max(worst[name], np.abs(command.errors["hand"]).max())
-            for _ in range(substeps):
-                tau = forces(moved, q, command)
-                tau[6:] += passive(moved, v)
-                v = v + h / substeps * pin.aba(moved.model, data, q, v, tau)
-                q = pin.integrate(moved.model, q, v * (h / substeps))
-    assert worst["rough"] < 3.0 * worst["smooth"], worst
-    assert worst["rough"] < 0.05 * worst["unknown"], worst
-
-
-# -- wrong use ---------------------------------------------------------------------------------------------------
 
 
 def wrong(robot, hand):
@@ -863,7 +325,7 @@ def wrong(robot, hand):
 
 
 @pytest.mark.parametrize("words", wrong(None, None))
-def test_wrong_use_is_an_error(chaser, hand, words):
+def test_a_controller_refuses_wrong_use(chaser, hand, words):
     with pytest.raises(ospace.OspaceError, match=words):
         wrong(chaser, hand)[words]()
 

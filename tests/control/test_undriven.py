@@ -1,7 +1,21 @@
-"""A robot of which a hinge has no drive, through a whole run."""
+"""Joints without a drive: they move as the others make them, and no state drives them."""
 
 import missions
 import numpy as np
+import pinocchio as pin
+import pytest
+from commands import SOLVERS, accelerations, state, unlimited
+
+from ospace.control import (
+    BaseAttitudeTask,
+    Constant,
+    Controller,
+    DampingTask,
+    JointLimits,
+    OrientationTask,
+    PoseTask,
+    PostureTask,
+)
 
 LINK = '<link name="{0}"><inertial><origin xyz="{1}"/><mass value="{2}"/>{3}</inertial></link>'
 INERTIA = '<inertia ixx="{0}" iyy="{0}" izz="{0}" ixy="0" ixz="0" iyz="0"/>'
@@ -50,3 +64,74 @@ def test_a_hinge_without_a_drive_is_moved_by_the_others_alone(tmp_path):
     assert (segment.trajectory.torque[:, hinge] == 0.0).all()
     assert np.abs(segment.trajectory.torque).max() > 0.1
     assert np.abs(segment.trajectory.v[:, 6 + hinge]).max() > 1e-4
+
+
+def idle(robot, *joints):
+    torque = np.full(robot.n_joints, 20.0)
+    torque[list(joints)] = 0.0
+    return unlimited(robot, torque=torque)
+
+
+@pytest.mark.parametrize("solver", ["daqp", *SOLVERS])
+@pytest.mark.parametrize("joints", [(2,), (0, 7, 17)])
+def test_joints_without_a_drive_move_as_the_others_make_them(chaser, hand, head, solver, joints):
+    """The least squares of the tasks over the accelerations that leave those torques zero, from Pinocchio's inertia."""
+    q, v = state(chaser, 21, speed=0.05)
+    near = Constant(chaser.state(q, v).placement(hand) * pin.SE3(np.eye(3), np.array([0.01, 0.0, 0.0])))
+    tasks = [
+        PoseTask(name="hand", point=hand, reference=near),
+        OrientationTask(name="head", point=head),
+        PostureTask(name="posture", weight=0.1),
+    ]
+    limits = unlimited(chaser, torque=np.where(np.isin(np.arange(18), joints), 0.0, np.inf))
+    run = Controller(chaser, tasks, limits=limits, regularization=1e-6, solver=solver)
+    command = run.update(0.0, q, v)
+    assert (command.torque[list(joints)] == 0.0).all()
+    assert command.status == "nominal"
+    assert not any(chaser.joint_names[j] in limit for j in joints for limit in command.active_limits)
+    model, data = chaser.model, chaser.model.createData()
+    H = pin.crba(model, data, q)
+    H = np.triu(H) + np.triu(H, 1).T
+    c = pin.nonLinearEffects(model, data, q, v)
+    coupling = np.linalg.solve(H[:6, :6], np.column_stack([H[:6, 6:], c[:6]]))
+    reduced, bias = H[6:, 6:] - H[6:, :6] @ coupling[:, :18], c[6:] - H[6:, :6] @ coupling[:, 18]
+    A, asked = [], []
+    free = Controller(chaser, tasks, limits=unlimited(chaser), regularization=1e-6).update(0.0, q, v)
+    for task in tasks:
+        rows = slice(*np.cumsum([0, 6, 3, 18])[[tasks.index(task), tasks.index(task) + 1]])
+        A.append(np.sqrt(task.weight) * free._rows[0][rows])
+        asked.append(np.sqrt(task.weight) * (free._rows[0][rows] @ free.joint_acceleration - free._rows[2][rows]))
+    A, asked, k = np.vstack(A), np.concatenate(asked), len(joints)
+    rows = reduced[list(joints)]
+    kkt = np.block([[A.T @ A + 1e-6 * np.eye(18), rows.T], [rows, np.zeros((k, k))]])
+    expected = np.linalg.solve(kkt, np.concatenate([A.T @ asked, -bias[list(joints)]]))[:18]
+    atol = 1e-5 * np.abs(expected).max()
+    np.testing.assert_allclose(command.joint_acceleration, expected, rtol=0, atol=atol)
+    a = accelerations(chaser, q, v, command)
+    np.testing.assert_allclose(a[6:], command.joint_acceleration, rtol=0, atol=1e-6 * np.abs(a).max())
+
+
+@pytest.mark.parametrize("leveled", [False, True])
+def test_no_state_drives_a_joint_without_a_drive(chaser, hand, leveled):
+    limits = JointLimits.of(chaser, acceleration=5.0)
+    torque = limits.torque.copy()
+    torque[[1, 9]] = 0.0
+    limits = JointLimits(torque, limits.lower, limits.upper, limits.velocity, limits.acceleration)
+    tasks = [
+        PoseTask(name="hand", point=hand, reference=Constant(pin.SE3.Identity()), level=0 if leveled else None),
+        BaseAttitudeTask(name="base", robot=chaser, level=1 if leveled else None),
+        DampingTask(name="rest"),
+    ]
+    names = [chaser.joint_names[j] for j in (1, 9)]
+    seen = set()
+    for seed in range(40):
+        q, v = state(chaser, seed, speed=(0.0, 0.1, 1.0)[seed % 3])
+        command = Controller(chaser, tasks, limits=limits).update(0.0, q, v)
+        seen.add(command.status)
+        assert command.status in ("nominal", "softened"), command.explanation
+        assert (command.torque[[1, 9]] == 0.0).all()
+        for j, name in zip((1, 9), names, strict=True):
+            rate = v[6 + j] + 1e-3 * command.joint_acceleration[j]
+            passed = abs(rate) > limits.velocity[j] + 1e-7 or abs(command.joint_acceleration[j]) > 5.0 + 1e-4
+            assert passed <= (name in command.softened), (seed, command.explanation)
+    assert seen == {"nominal", "softened"}

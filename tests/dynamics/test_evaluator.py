@@ -1,64 +1,30 @@
-"""The evaluator and the batch: the same results as one state at a time, in all their forms."""
+"""The evaluator: the same results as functions of a state, in arrays of its own."""
 
 import copy
 import subprocess
 import sys
 import tracemalloc
 
-import numba
 import numpy as np
 import pinocchio as pin
 import pytest
 import trees
+from evaluated import agrees, broken, close, compiled, draw_points
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba.core.runtime import _nrt_python, rtsys
 
 import ospace
-from ospace.dynamics import batch, evaluator
+from ospace.dynamics import evaluator
 from ospace.dynamics.dense import Dense
-from ospace.dynamics.workspace import layout_of
-from ospace.kernels import batch as kernels
-from ospace.kernels import workspace
-from ospace.kernels.jit import simd
 from ospace.validation.sampling import random_state
 
 ONE_DEGREE = tuple(name for name in trees.JOINT_TYPES if name.startswith(("revolute", "continuous", "prismatic")))
-ALL = tuple(batch.QUANTITIES)
-
-
-@pytest.fixture(scope="module")
-def chaser():
-    return ospace.SpaceRobot.from_urdf(ospace.models.path("chaser_24dof"))
-
-
-def close(value, reference, tolerance=1e-11):
-    assert np.abs(value - reference).max(initial=0.0) <= tolerance * max(np.abs(reference).max(initial=0.0), 1e-9)
-
-
-def agrees(result, state, points, tolerance=1e-11):
-    dense = Dense(state, points)
-    close(result.inertia_inverse, dense.Gamma_e_inv, tolerance)
-    close(result.bias_acceleration, dense.mu, tolerance)
-
-
-def draw_points(robot, rng, count):
-    """Points on random links, the base and repeated links among them, with offsets and rows of all kinds."""
-    names = ["base", *(f"link_{k}" for k in range(robot.model.njoints - 2))]
-    axes = ["all", "linear", "angular", (True, False, True, False, False, True)]
-    return [
-        robot.point(
-            names[rng.integers(len(names))],
-            axes[rng.integers(4)],
-            pin.SE3(pin.exp3(rng.normal(size=3)), rng.normal(size=3)),
-        )
-        for _ in range(count)
-    ]
 
 
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 10_000), st.integers(0, 14), st.floats(0.0, 1.0), st.integers(1, 6), st.booleans(), st.booleans())
-def test_any_points_on_any_tree(seed, joints, branching, count, far, mixed):
+def test_any_points_on_any_tree_agree_with_the_dense_form(seed, joints, branching, count, far, mixed):
     robot = trees.tree(seed, joints, None if mixed else ONE_DEGREE, branching)
     points = draw_points(robot, np.random.default_rng(seed), count)
     state = trees.state(robot, seed, far)
@@ -69,7 +35,7 @@ def test_any_points_on_any_tree(seed, joints, branching, count, far, mixed):
 
 
 @pytest.mark.parametrize("name", ospace.models.names())
-def test_models(name):
+def test_models_that_come_with_ospace_agree_with_the_dense_form(name):
     robot = ospace.SpaceRobot.from_urdf(ospace.models.path(name))
     points = [robot.point(link) for link in robot.leaf_links]
     run = ospace.OperationalSpaceEvaluator(robot, points)
@@ -78,7 +44,7 @@ def test_models(name):
         agrees(run.update(state.q, state.v), state, points)
 
 
-def test_inertia_and_bias_force(chaser):
+def test_inertia_and_bias_force_are_the_dense_ones(chaser):
     points = [chaser.point("right_hand"), chaser.point("head", "angular")]
     state = random_state(chaser, np.random.default_rng(1))
     result = ospace.OperationalSpaceEvaluator(chaser, points).update(state.q, state.v)
@@ -120,9 +86,6 @@ def test_without_a_state_there_is_nothing_to_read(chaser, name):
         run.update(np.full(chaser.nq, np.nan))
     with pytest.raises(ospace.OspaceError, match="update"):
         getattr(run, name)
-
-
-compiled = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="about compiled kernels")
 
 
 @compiled
@@ -182,7 +145,7 @@ def chain(joints):
 
 
 @pytest.mark.parametrize("turns", [10**3, 10**6, 10**9])
-def test_angles_of_many_turns(chaser, turns):
+def test_angles_of_many_turns_are_those_of_one(chaser, turns):
     state = random_state(chaser, np.random.default_rng(7))
     q = state.q.copy()
     q[9] += 2.0 * np.pi * turns
@@ -243,25 +206,8 @@ def test_what_is_no_plain_array_is_taken_as_well(chaser, form):
     np.testing.assert_array_equal(run.update(form(state.q), form(state.v)).inertia, expected)
 
 
-def broken(q, v, kind):
-    q, v = q.copy(), v.copy()
-    if kind == "nan":
-        q[9] = np.nan
-    elif kind == "infinite rate":
-        v[8] = np.inf
-    elif kind == "zero quaternion":
-        q[3:7] = 0.0
-    elif kind == "long quaternion":
-        q[3:7] *= 1.1
-    elif kind == "huge rate":
-        v[8] = 1e200
-    elif kind == "short":
-        q = q[:-1]
-    return q, v
-
-
 @pytest.mark.parametrize("kind", ["nan", "infinite rate", "zero quaternion", "long quaternion", "huge rate", "short"])
-def test_bad_input_is_an_error(chaser, kind):
+def test_the_evaluator_refuses_bad_input(chaser, kind):
     state = random_state(chaser, np.random.default_rng(4))
     run = ospace.OperationalSpaceEvaluator(chaser, chaser.point("head"))
     with pytest.raises(ospace.OspaceError):
@@ -362,169 +308,3 @@ assert not failed, failed
 assert numba.config.SLP_VECTORIZE == before
 """
     subprocess.run([sys.executable, "-c", program], check=True, timeout=300)
-
-
-# -- many states -------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def states(chaser):
-    rng = np.random.default_rng(6)
-    return [random_state(chaser, rng, far=k % 2 == 0) for k in range(21)]
-
-
-@pytest.fixture(scope="module")
-def many(states):
-    return np.array([state.q for state in states]), np.array([state.v for state in states])
-
-
-@pytest.fixture(scope="module")
-def points(chaser):
-    return [chaser.point("right_hand"), chaser.point("head", "angular")]
-
-
-@pytest.fixture(scope="module")
-def whole(chaser, points, many):
-    return ospace.operational_space_batch(chaser, points, *many, quantities=ALL)
-
-
-def test_every_state_is_as_it_is_alone(chaser, points, states, whole):
-    for k, state in enumerate(states):
-        one = ospace.operational_space(state, points, "dense")
-        close(whole.inertia_inverse[k], one.inertia_inverse)
-        close(whole.inertia_inverse_packed[k], one.inertia_inverse[np.tril_indices(9)])
-        close(whole.inertia[k], one.inertia)
-        close(whole.bias_acceleration[k], one.bias_acceleration)
-        close(whole.bias_force[k], one.bias_force)
-        close(whole.momentum[k], ospace.momentum(state))
-        close(whole.generalized_inertia[k], ospace.generalized_dynamics(state).generalized_inertia)
-        J = ospace.generalized_jacobian(state, points).generalized_jacobian
-        close(whole.generalized_jacobian[k], J)
-        assert whole.smallest_singular_value[k] == pytest.approx(np.linalg.svd(J, compute_uv=False)[-1], rel=1e-9)
-    assert whole.bad.size == 0
-
-
-@pytest.mark.parametrize("width", sorted(simd.WIDTHS))
-def test_all_widths_agree(chaser, points, many, whole, width, monkeypatch):
-    monkeypatch.setattr(simd, "widest", lambda: width)
-    narrow = ospace.operational_space_batch(chaser, points, *many, quantities=ALL)
-    for name in ALL:
-        close(getattr(narrow, name), getattr(whole, name), 1e-12)
-
-
-def test_threads_and_chunks_do_not_matter(chaser, points, many, whole, monkeypatch):
-    monkeypatch.setattr(batch, "CHUNK", 4)
-    for threads in (1, 3):
-        split = ospace.operational_space_batch(chaser, points, *many, quantities=ALL, threads=threads)
-        for name in ALL:
-            np.testing.assert_array_equal(getattr(split, name), getattr(whole, name))
-
-
-def test_threads_by_environment(monkeypatch):
-    monkeypatch.setenv("OMP_NUM_THREADS", "3")
-    assert batch._threads(None) == 3
-    monkeypatch.setenv("OMP_NUM_THREADS", "3,1")
-    assert batch._threads(None) == 3
-    monkeypatch.setenv("OSPACE_NUM_THREADS", "2")
-    assert batch._threads(None) == 2
-    assert batch._threads(5) == 5
-
-
-@pytest.mark.parametrize("kind", ["nan", "infinite rate", "zero quaternion", "long quaternion", "huge rate"])
-def test_a_bad_state_is_told_and_touches_no_other(chaser, points, many, whole, kind):
-    Q, V = (states.copy() for states in many)
-    Q[5], V[5] = broken(Q[5], V[5], kind)
-    result = ospace.operational_space_batch(chaser, points, Q, V, ALL)
-    np.testing.assert_array_equal(result.bad, [5])
-    for name in ALL:
-        assert not np.any(getattr(result, name)[5])
-        np.testing.assert_array_equal(np.delete(getattr(result, name), 5, 0), np.delete(getattr(whole, name), 5, 0))
-
-
-def test_results_may_go_to_a_file(chaser, points, many, whole, tmp_path):
-    shape = whole.inertia_inverse.shape
-    out = np.lib.format.open_memmap(tmp_path / "out.npy", mode="w+", dtype=float, shape=shape)
-    result = ospace.operational_space_batch(chaser, points, *many, out={"inertia_inverse": out})
-    assert result.inertia_inverse is out
-    out.flush()
-    close(np.load(tmp_path / "out.npy"), whole.inertia_inverse, 1e-12)
-
-
-def test_joints_of_all_types_run_in_the_lanes():
-    robot = trees.tree(3, 14)
-    states = [trees.state(robot, seed) for seed in range(5)]
-    point = robot.point("link_7")
-    result = ospace.operational_space_batch(
-        robot, point, [state.q for state in states], [state.v for state in states], ALL
-    )
-    for k, state in enumerate(states):
-        one = ospace.operational_space(state, point)
-        close(result.inertia_inverse[k], one.inertia_inverse)
-        close(result.bias_force[k], one.bias_force)
-
-
-def test_dependent_rows_of_many_states(chaser, many):
-    points = [chaser.point(name) for name in ("right_hand", "head", "base")]
-    result = ospace.operational_space_batch(chaser, points, many[0][:3], quantities=("inertia",))
-    reference = ospace.operational_space(chaser.state(many[0][1]), points)
-    assert result.bad.size == 0
-    close(result.inertia[1], reference.inertia, 1e-9)
-
-
-@compiled
-def test_states_may_be_read_only_and_the_last_chunk_short(chaser, points, many, whole, monkeypatch):
-    monkeypatch.setattr(batch, "CHUNK", 4)
-    before = len(kernels.BY_WIDTH[simd.widest()].signatures)
-    for states in many:
-        states.flags.writeable = False
-    split = ospace.operational_space_batch(chaser, points, *many, quantities=ALL)
-    np.testing.assert_array_equal(split.inertia, whole.inertia)
-    assert len(kernels.BY_WIDTH[simd.widest()].signatures) == before
-
-
-def test_no_states(chaser, points):
-    result = ospace.operational_space_batch(chaser, points, np.zeros((0, chaser.nq)), quantities=("inertia_inverse",))
-    assert result.inertia_inverse.shape == (0, 9, 9)
-
-
-@pytest.mark.parametrize(
-    ("Q", "V", "out", "threads", "words"),
-    [
-        (np.zeros(25), None, {}, 1, r"\(N, 25\)"),
-        (np.zeros((3, 24)), None, {}, 1, r"\(N, 25\)"),
-        ("some", None, {}, 1, "not an array"),
-        (np.zeros((3, 25)), np.zeros((2, 24)), {}, 1, "3 states"),
-        (np.zeros((3, 25)), None, {"inertia_inverse": np.zeros((3, 9, 8))}, 1, "shape"),
-        (np.zeros((3, 25)), None, {"inertia_inverse": np.zeros((3, 9, 9), np.float32)}, 1, "float64"),
-        (np.zeros((3, 25)), None, {"inertia_inverse": [0.0]}, 1, "writable"),
-        (np.zeros((3, 25)), None, {"gamma": np.zeros(3)}, 1, "'gamma'"),
-        (np.zeros((3, 25)), None, {"inertia": np.zeros((3, 9, 9))}, 1, "'inertia'"),
-        (np.zeros((3, 25)), None, np.zeros((3, 9, 9)), 1, "mapping"),
-        (np.zeros((3, 25)) * 1j, None, {}, 1, "not an array"),
-        (np.zeros((3, 25)), None, {}, 0, "threads"),
-        (np.zeros((3, 25)), None, {}, "2", "threads"),
-    ],
-)
-def test_wrong_use_is_an_error(chaser, points, Q, V, out, threads, words):
-    with pytest.raises(ospace.OspaceError, match=words):
-        ospace.operational_space_batch(chaser, points, Q, V, out=out, threads=threads)
-
-
-def test_an_interrupt_ends_the_run(chaser, points, many, monkeypatch):
-    def interrupt(self, chunk):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(batch._Worker, "run", interrupt)
-    with pytest.raises(KeyboardInterrupt):
-        ospace.operational_space_batch(chaser, points, *many)
-
-
-@pytest.mark.parametrize("lanes", [1, 2, 8])
-def test_tables_begin_with_a_line_of_the_cache_and_do_not_overlap(chaser, points, lanes):
-    work = workspace.lay_out(layout_of(chaser, points), chaser.nq, lanes)
-    starts, rows, columns = work[: 3 * workspace.TABLES].view(np.int64).reshape(-1, 3).T
-    each = np.where(np.arange(workspace.TABLES) < workspace.place_of("q"), 1, lanes)
-    ends = np.r_[3 * workspace.TABLES, starts + rows * columns * each]
-    assert work.ctypes.data % 64 == 0
-    np.testing.assert_array_equal(starts % 8, 0)
-    assert (ends <= np.r_[starts, len(work)]).all()

@@ -31,7 +31,7 @@ def test_damping_and_friction_are_those_of_the_file(rubbing):
 
 
 @pytest.mark.parametrize("rate", [-3.0, -1e-3, 0.0, 1e-4, 0.02, 5.0])
-def test_the_law(rubbing, rate):
+def test_the_law_of_friction_and_its_slope(rubbing, rate):
     friction = JointFriction.of(rubbing)
     rates = np.array([rate, rate])
     expected = -3.5 * rate - 0.75 * np.tanh(rate / FRICTION_VELOCITY)

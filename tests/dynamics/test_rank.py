@@ -52,7 +52,7 @@ def test_the_rows_that_the_demo_means_are_independent(state, chaser):
     np.testing.assert_allclose(result.inertia @ result.inertia_inverse, np.eye(12), atol=1e-10)
 
 
-def test_one_point_given_twice(state, chaser):
+def test_rows_of_a_point_given_twice_are_dependent(state, chaser):
     hand = chaser.point("right_hand")
     twice = ospace.operational_space(state, [hand, hand])
     assert twice.rank == 6

@@ -18,7 +18,7 @@ def laid(request):
     return laid
 
 
-def test_joint_space_inertia(laid):
+def test_the_joint_space_inertia_is_the_dense_one(laid):
     composite_body.manipulator_inertia(laid.joints, laid.w)
     close(full(laid.w.IC[0]), laid.dense.H[:6, :6])
     close(laid.w.H_bm[1:].T, laid.dense.H[:6, 6:])
@@ -26,7 +26,7 @@ def test_joint_space_inertia(laid):
     close(laid.w.inertia_diagonal[:, 0], np.diag(laid.dense.H))
 
 
-def test_centre_of_mass(laid):
+def test_the_centre_of_mass_is_pinocchio_s(laid):
     robot = laid.state.robot
     centre = pin.centerOfMass(robot.model, robot.model.createData(), laid.state.q) - laid.state.q[:3]
     close(laid.w.mass_centre[0], centre, 1e-12)
@@ -47,7 +47,7 @@ def test_the_points_follow_the_joints_and_the_momentum(laid):
     close(laid.w.momentum_velocity.ravel(), rest)
 
 
-def test_the_base_eliminated(laid):
+def test_the_base_eliminated_leaves_the_generalized_inertia(laid):
     composite_body.generalized_inertia(laid.joints, laid.w)
     close(laid.w.generalized_inertia, laid.dense.H_m_star)
     composite_body.bias(laid.joints, laid.w)
@@ -60,7 +60,7 @@ def test_the_base_eliminated(laid):
     close(laid.w.drift.ravel(), laid.dense.J_e[:, :6] @ base + laid.dense.drift)
 
 
-def test_forces_of_a_motion(laid):
+def test_forces_of_a_motion_are_those_of_inverse_dynamics(laid):
     acceleration = np.random.default_rng(1).normal(size=laid.state.robot.nv)
     laid.w.given[:, 0] = acceleration
     composite_body.inverse_dynamics(laid.joints, laid.w)

@@ -99,7 +99,7 @@ def test_along_its_axis_a_joint_passes_on_what_its_drive_holds_and_no_rounding(r
     assert np.abs(S @ L).max() < 1e-15
 
 
-def test_relative_pivot():
+def test_the_relative_pivot_is_over_the_traces_of_the_inertia():
     """β of a joint that lifts what it moves, and of one that only turns a ball about its centre."""
     ball = np.diag([2.0, 2.0, 2.0, 5.0, 5.0, 5.0])
     S = np.array([[0, 0, 1.0, 0, 0, 0], [0, 0, 0, 0, 0, 1.0], [0, 0, 3.0, 0, 0, 1.0]])

@@ -62,7 +62,7 @@ def results(folder, width, **environment):
     [{"NUMBA_DISABLE_JIT": "1"}, {"NUMBA_BOUNDSCHECK": "1"}],
     ids=["interpreted", "bounds checked"],
 )
-def test_same_results(tmp_path, environment):
+def test_interpreted_and_bounds_checked_kernels_give_the_same_results(tmp_path, environment):
     # lanes are the same kernels: to compile them once more for checked memory takes a minute and finds nothing else
     width = 2 if "NUMBA_DISABLE_JIT" in environment else 0
     cache = {"OSPACE_CACHE_DIR": str(tmp_path / "cache")} if "NUMBA_BOUNDSCHECK" in environment else {}

@@ -55,7 +55,7 @@ def test_one_step_outward_is_the_printed_one(state):
     close(body.IC[1], chain.I[1] + I_h)
 
 
-def test_path():
+def test_the_path_to_a_link_is_the_tree_s():
     robot = trees.tree(17, 16)
     chain, _ = paper_sweeps.paper_frames(trees.state(robot, 1), [robot.point("base")])
     for i in range(len(chain.parent)):

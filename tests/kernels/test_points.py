@@ -23,7 +23,7 @@ def test_places_about_the_base_and_about_the_link(laid):
             np.testing.assert_allclose(laid.w.arm[n], about_base - laid.w.r[laid.nodes.link[n]], rtol=0, atol=1e-14)
 
 
-def test_jacobians(laid):
+def test_jacobians_of_points_are_pinocchio_s(laid):
     laid.w.columns[:] = np.nan  # all of it is written
     points.point_jacobians(laid.robot, laid.w)
     close(laid.w.jacobian, laid.dense.J_e, 1e-13)

@@ -43,14 +43,14 @@ def test_mobility_of_the_base_and_its_pivot(laid):
     assert laid.base_pivot == pytest.approx(1.0 / (np.diag(I) * np.diag(np.linalg.inv(I))).max(), rel=1e-9)
 
 
-def test_inverse_inertia(laid):
+def test_the_inverse_operational_inertia_is_the_dense_one(laid):
     pv_osimr.sweep_outward(laid.nodes, laid.w)
     Gamma_inv = np.full_like(laid.w.all_rows, np.nan)
     pv_osimr.collect(laid.nodes, laid.w, Gamma_inv)
     close(Gamma_inv, laid.dense.Gamma_e_inv)
 
 
-def test_acceleration_when_no_force_acts(laid):
+def test_the_bias_is_the_acceleration_when_no_force_acts(laid):
     pv_osimr.spread_bias(laid.nodes, laid.w)
     close(laid.w.acceleration.ravel(), -laid.dense.mu)
 

@@ -27,17 +27,17 @@ def laid(request):
     return laid
 
 
-def test_response(laid):
+def test_the_response_to_forces_is_the_dense_one(laid):
     close(laid.w.response, laid.dense.response)
 
 
-def test_pivots(laid):
+def test_pivots_are_those_of_the_articulated_inertia(laid):
     for i in range(1, len(laid.joints.parent)):
         beta = laid.w.S[i] @ laid.w.U[i] + laid.joints.armature[i, 0]
         assert laid.w.beta_inv[i, 0] == pytest.approx(1.0 / beta, rel=1e-13)
 
 
-def test_free_floating(laid):
+def test_free_floating_inertia_and_bias_are_the_dense_ones(laid):
     response.free_floating(laid.robot, laid.w)
     close(laid.w.floating_inertia_inverse, laid.dense.Lambda_inv)
     close(laid.w.floating_bias[:, 0], laid.dense.mu)

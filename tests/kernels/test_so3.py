@@ -28,7 +28,7 @@ def columns(R):
 
 
 @pytest.mark.parametrize("angle", [*ANGLES, *HALF_TURN, 3.5, 6.0, 20.0])
-def test_exponential(angle):
+def test_the_exponential_is_pinocchio_s(angle):
     for axis in AXES:
         R = matrix(exponential(tuple(angle * axis)))
         np.testing.assert_allclose(R, pin.exp3(angle * axis), rtol=0, atol=2e-15)
@@ -50,7 +50,7 @@ def test_up_to_the_second_order_where_the_series_is_taken():
 
 
 @pytest.mark.parametrize("angle", ANGLES)
-def test_rotation_vector(angle):
+def test_the_rotation_vector_is_pinocchio_s(angle):
     for axis in AXES:
         rho = rotation_vector(columns(pin.exp3(angle * axis)))
         np.testing.assert_allclose(rho, angle * axis, rtol=1e-14, atol=2e-15)
@@ -76,7 +76,7 @@ def test_rotation_vector_near_a_half_turn(angle):
         np.testing.assert_allclose(rho, angle * axis, rtol=0, atol=1e-14)
 
 
-def test_each_undoes_the_other():
+def test_exponential_and_rotation_vector_undo_each_other():
     rng = np.random.default_rng(4)
     for _ in range(200):
         axis = rng.normal(size=3)

@@ -52,7 +52,7 @@ def close(value, reference):
     np.testing.assert_allclose(np.asarray(value).ravel(), np.asarray(reference).ravel(), rtol=1e-13, atol=1e-13)
 
 
-def test_three_dimensional(rng):
+def test_products_of_vectors_and_3_by_3_matrices(rng):
     a, b, R, I = rng.normal(size=3), rng.normal(size=3), rotation(rng), positive(rng, 3)
     close(sp.cross(a, b), np.cross(a, b))
     close(sp.rotate(by_columns(R), a), R @ a)
@@ -70,7 +70,7 @@ def test_force_cross_is_the_dual_of_the_motion_cross(rng):
     assert abs(power) < 1e-12
 
 
-def test_symmetric(rng):
+def test_operations_on_symmetric_6_by_6_matrices(rng):
     A, B, s, k = positive(rng, 6), positive(rng, 6), six(rng), 0.7
     close(sp.sym6_mul(lower(A), s), A @ s)
     close(sp.sym6_sub(lower(A), lower(B)), lower(A - B))
@@ -113,7 +113,7 @@ def test_the_pivot_of_what_is_not_positive_is_not_above_zero(k, left):
         assert not sp.sym6_inverse_and_pivot(tuple(map(np.float64, lower(A))))[1] > 0.0
 
 
-def test_full(rng):
+def test_operations_on_full_6_by_6_matrices(rng):
     K, u, w, p = rng.normal(size=(6, 6)), six(rng), six(rng), rng.normal(size=3)
     flat = tuple(K.ravel())
     close(sp.mat6_mul(flat, u), K @ u)
@@ -124,7 +124,7 @@ def test_full(rng):
     close(sp.forces_from(p, flat), shift(p) @ K)
 
 
-def test_points(rng):
+def test_motions_and_forces_seen_at_another_point(rng):
     p, v, f, a = (tuple(rng.normal(size=n)) for n in (3, 6, 6, 6))
     close(sp.motion_at(p, v), shift(p).T @ v)
     close(sp.force_from(p, f), shift(p) @ f)

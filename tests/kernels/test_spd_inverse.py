@@ -35,7 +35,7 @@ def swept(A, lanes=1):
 
 @pytest.mark.parametrize("lanes", [1, 2, 8])
 @pytest.mark.parametrize("r", [1, 2, 3, 4, 5, 6, 9, 12, 18])
-def test_inverse(r, lanes):
+def test_the_inverse_undoes_the_matrix_and_is_symmetric(r, lanes):
     A = positive(np.random.default_rng(r), r)
     X, _ = swept(A, lanes)
     np.testing.assert_allclose(X @ A, np.eye(r), rtol=0, atol=1e-13)

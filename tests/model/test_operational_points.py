@@ -160,7 +160,7 @@ MIXED = (True, False, False, False, True, True)
         ((False, False, False, False, False, True), (False, False, False, False, False, True)),
     ],
 )
-def test_axes_in_all_forms(chaser, axes, taken):
+def test_axes_of_a_point_in_all_forms(chaser, axes, taken):
     point = chaser.point("head", axes=axes)
     assert point.axes == taken
     assert point.n_rows == sum(taken)

@@ -242,7 +242,7 @@ poses = st.builds(lambda turn, at: pin.SE3(pin.exp3(0.15 * turn), at), vectors, 
 ORIGIN = pin.SE3(pin.rpy.rpyToMatrix(*ORIGIN_RPY), np.array(ORIGIN_XYZ))
 
 
-def test_every_type_is_there(all_types):
+def test_random_trees_have_every_joint_type(all_types):
     assert all_types.nv == 6 + len(ONE_DOF) + 3 + 6
     assert all_types.nq == 7 + len(ONE_DOF) + len(AXES) + 4 + 7
     assert "weld" not in all_types.joint_names
@@ -251,7 +251,7 @@ def test_every_type_is_there(all_types):
 @pytest.mark.parametrize(("kind", "axis"), ONE_DOF)
 @repeatable
 @given(value=numbers, T_WB=poses)
-def test_angles_and_displacements(all_types, kind, axis, value, T_WB):
+def test_joints_of_one_coordinate_take_angles_and_displacements(all_types, kind, axis, value, T_WB):
     """The value put in comes back, and moves the link along the axis by that much and nothing else."""
     name = f"{kind}_{axis}"
     q = all_types.configuration({name: value}, T_WB)
@@ -271,7 +271,7 @@ def test_angles_and_displacements(all_types, kind, axis, value, T_WB):
 
 @repeatable
 @given(x=numbers, y=numbers, angle=st.floats(-3.1, 3.1))
-def test_planar(all_types, x, y, angle):
+def test_a_planar_joint_takes_a_place_and_an_angle(all_types, x, y, angle):
     q = all_types.configuration({"planar": (x, y, angle)})
     np.testing.assert_allclose(all_types.joint_positions(q)["planar"], [x, y, angle], atol=1e-14)
     expected = ORIGIN * pin.SE3(pin.exp3(np.array([0.0, 0.0, angle])), np.array([x, y, 0.0]))
@@ -281,7 +281,7 @@ def test_planar(all_types, x, y, angle):
 
 @repeatable
 @given(pose=poses)
-def test_floating(all_types, pose):
+def test_a_floating_joint_takes_a_pose(all_types, pose):
     q = all_types.configuration({"floating": pose})
     assert all_types.joint_positions(q)["floating"].isApprox(pose, 1e-12)
     T_WE = all_types.state(q).placement(all_types.point("link_floating"))
@@ -315,7 +315,7 @@ def test_random_trees_of_all_joint_types(seed):
             np.testing.assert_allclose(again[part], q[part], atol=1e-12)
 
 
-def test_zero_without_arguments(all_types):
+def test_a_configuration_without_arguments_is_zero(all_types):
     np.testing.assert_array_equal(all_types.configuration(), pin.neutral(all_types.model))
 
 

@@ -55,13 +55,13 @@ def check(capsys, robot):
     return status, json.loads(out) if out else None, err
 
 
-def test_the_robots_are_there():
+def test_the_robots_of_example_robot_data_are_there():
     assert len(ROBOTS) >= 60
     assert set(ROBOTS) >= REFUSED.keys() | NEARLY_SINGULAR
 
 
 @pytest.mark.parametrize("robot", [robot for robot in ROBOTS if robot not in REFUSED])
-def test_robot_agrees(capsys, robot):
+def test_a_robot_of_example_robot_data_is_never_unsound(capsys, robot):
     status, document, _ = check(capsys, robot)
     by_verdict = {"agrees": set(), "differs": set(), "undecided": set()}
     for row in document["agreement"]:

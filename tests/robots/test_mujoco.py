@@ -78,39 +78,39 @@ def assert_agree(ours, theirs, unit):
     np.testing.assert_allclose(ours / unit, theirs / unit, rtol=0.0, atol=TOLERANCE * largest)
 
 
-def test_both_have_the_same_joints_and_mass(pair):
+def test_mujoco_s_robot_has_the_same_joints_and_mass(pair):
     robot, engine = pair
     assert engine.model.nv == robot.nv
     assert engine.model.body_mass.sum() == pytest.approx(robot.total_mass, rel=1e-14)
     assert all(engine.joint(name) >= 0 for name in robot.joint_names)
 
 
-def test_joint_space_inertia(case):
+def test_the_joint_space_inertia_is_mujoco_s(case):
     state, engine, _, _ = case
     theirs = engine.inertia()
     unit = np.sqrt(np.diag(theirs))
     assert_agree(inertia(state), theirs, np.outer(unit, unit))
 
 
-def test_joint_space_bias(case):
+def test_the_joint_space_bias_is_mujoco_s(case):
     state, engine, _, _ = case
     terms = ospace.joint_space_dynamics(state)
     assert_agree(np.r_[terms.base_bias, terms.manipulator_bias], engine.bias(), np.sqrt(np.diag(engine.inertia())))
 
 
-def test_jacobian(case):
+def test_the_jacobian_is_mujoco_s(case):
     state, engine, points, _ = case
     assert_agree(ospace.operational_space(state, points).jacobian, engine.jacobian(points), 1.0)
 
 
-def test_operational_space_inertia(case):
+def test_the_operational_space_inertia_is_mujoco_s(case):
     state, engine, points, _ = case
     theirs = engine.inertia_inverse(points)
     unit = np.sqrt(np.diag(theirs))
     assert_agree(ospace.operational_space(state, points).inertia_inverse, theirs, np.outer(unit, unit))
 
 
-def test_free_flying_acceleration(case):
+def test_the_free_flying_acceleration_is_mujoco_s(case):
     """ẍ_e + μ = (H⁻¹ J_eᵀ)ᵀ [F_b; τ] + Γ_e⁻¹ F_e (8)."""
     state, engine, points, rng = case
     forces, F_e = random_forces(state, points, rng)
@@ -119,7 +119,7 @@ def test_free_flying_acceleration(case):
     assert_agree(ours, engine.accelerations(points, forces, F_e), np.sqrt(np.diag(terms.inertia_inverse)))
 
 
-def test_free_floating_acceleration(case):
+def test_the_free_floating_acceleration_is_mujoco_s(case):
     """ẍ_e + μ = J_m* H_m*⁻¹ τ + Γ_e⁻¹ F_e (12)."""
     state, engine, points, rng = case
     forces, F_e = random_forces(state, points, rng)

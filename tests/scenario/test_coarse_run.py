@@ -61,23 +61,23 @@ def same(ready, words):
 
 
 @pytest.mark.parametrize("spin", [10, -20])
-def test_a_target_that_turns(made, spin):
+def test_a_target_that_turns_is_followed(made, spin):
     """By 80 and -160 deg in the approach."""
     same(made(turn(spin)), None)
 
 
-def test_a_target_that_turns_more_than_once(made):
+def test_a_target_that_turns_more_than_once_is_followed(made):
     """By 560 deg, with joints without limits."""
     same(made(turn(70), ROBOT.replace('type="revolute"', 'type="continuous"')), None)
 
 
-def test_a_place_that_joint_limits_exclude(made, place):
+def test_a_place_that_joint_limits_exclude_is_refused(made, place):
     """It is as near as the start, and behind the bus: the bound of the links' lengths knows nothing of that."""
     same(made(turning(place + [0.02, -0.05, 0]), NARROW), None)
     same(made(turning(place * [-1, 1, 1]), NARROW), "position, upper")
 
 
-def test_a_grasp_that_needs_less_than_its_tasks_give(made, place):
+def test_a_grasp_that_needs_more_than_its_tasks_give_is_refused(made, place):
     """Only the place is reached, not the angle that the grasp needs."""
     grasp = {"hand": "end_effector", "fixture": "knob", "angle": "2 deg"}
     same(made(turning(place + [0.02, -0.05, 0], grasp=grasp)), "a grasp needs 10 mm and 2 deg")
@@ -89,14 +89,14 @@ def test_a_time_out_that_is_too_short_by_a_cycle_is_left_to_the_run(made, place)
     assert scenario.rehearse(ready) == ""
 
 
-def test_where_a_rehearsal_would_mislead_there_is_none(made):
+def test_no_rehearsal_is_made_where_it_would_mislead(made):
     long = made(turn(1, timeout="300 s"))
     assert "are the most that is rehearsed" in scenario.rehearse(long)
     outside = made(turn(1, joints={"joint_2": "200 deg"}))
     assert scenario.rehearse(outside) == "its start is outside limits of joints"
 
 
-def test_nothing_of_the_scenario_is_changed(made):
+def test_a_rehearsal_leaves_the_scenario_as_it_is(made):
     ready = made(turn(10))
     before = ready.start.q.copy(), ready.control
     scenario.rehearse(ready)

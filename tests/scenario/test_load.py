@@ -11,7 +11,6 @@ from scenario_schema import tables_of
 
 import ospace
 from ospace import scenario
-from ospace.scenario import units
 from ospace.scenario.schema import Follow, Hold, Shift, ToMomentum, ToPose
 
 GOOD = """
@@ -84,7 +83,7 @@ release = true
 """
 
 
-def test_what_a_file_says(load):
+def test_a_scenario_is_what_its_file_says_in_si_units(load):
     made = load(GOOD)
     robot = made.robot
     np.testing.assert_allclose(made.start.q[:3], [1000.0, 0.0, 0.0])
@@ -233,7 +232,7 @@ def test_all_problems_are_reported_together(load):
 @pytest.mark.parametrize(
     "content", [b"\xff\xfe", b"a = " + b"[" * 5000, b"a = 1\n" * 200_000], ids=["bytes", "deep", "long"]
 )
-def test_files_that_are_no_scenario(tmp_path, content):
+def test_a_file_that_is_no_scenario_is_refused(tmp_path, content):
     file = tmp_path / "made.toml"
     file.write_bytes(content)
     with pytest.raises(ospace.ScenarioError, match=r"made\.toml"):
@@ -241,12 +240,12 @@ def test_files_that_are_no_scenario(tmp_path, content):
 
 
 @pytest.mark.parametrize("name", ["", "nothing.toml"])
-def test_files_that_are_not_there(tmp_path, name):
+def test_a_missing_scenario_file_is_refused(tmp_path, name):
     with pytest.raises(ospace.ScenarioError, match="directory"):
         scenario.load(tmp_path / name)
 
 
-def test_a_body_as_the_target(load):
+def test_a_target_may_be_a_body_of_given_mass_and_inertia(load):
     body = """[target.body]
 name = "can"
 mass = "1.2 t"
@@ -273,14 +272,14 @@ frames = { grapple = { position = ["-1 m", 0, 0], quaternion = [0, 0, 1, 0] } }
         ('{ turn = ["1 deg", 0, 0] }', Shift, lambda goal: goal.turn[0] == math.radians(1.0)),
     ],
 )
-def test_goals(load, given, goal, check):
+def test_every_kind_of_goal_is_read(load, given, goal, check):
     made = load(GOOD.replace('{ shift = ["0.1 m", 0, 0], duration = "2 s" }', given))
     found = made.phases[1].tasks[0].goal
     assert isinstance(found, goal)
     assert check(found)
 
 
-def test_goals_of_momentum(load):
+def test_a_goal_of_momentum_needs_wheels(load):
     text = GOOD.replace('type = "damping"', 'type = "momentum"\ngoal = { angular = ["1 N m s", 0, 0] }')
     with pytest.raises(ospace.ScenarioError, match=r"phase\[0\]: .* joints do not change momentum"):
         load(text)
@@ -289,7 +288,7 @@ def test_goals_of_momentum(load):
     np.testing.assert_allclose(goal.momentum, [0, 0, 0, 1, 0, 0])
 
 
-def test_a_robot_beside_the_scenario(tmp_path):
+def test_a_model_s_path_is_relative_to_the_scenario(tmp_path):
     (tmp_path / "robots").mkdir()
     (tmp_path / "robots" / "mine.urdf").write_text(ospace.models.path("ets_vii").read_text())
     file = tmp_path / "made.toml"
@@ -297,27 +296,17 @@ def test_a_robot_beside_the_scenario(tmp_path):
     assert scenario.load(file).robot.source == tmp_path / "robots" / "mine.urdf"
 
 
-@pytest.mark.parametrize("dimension", units.UNITS)
-def test_units(dimension):
-    for unit, size in units.UNITS[dimension].items():
-        assert units.parse(f"-2.5e1 {unit}", dimension) == pytest.approx(-25.0 * size)
-        assert units.parse(f" 3  {unit} ", dimension) == pytest.approx(3.0 * size)
-        with pytest.raises(ValueError, match="unit 'parsec'"):
-            units.parse("1 parsec", dimension)
-    assert units.parse(2, dimension) == 2.0
-
-
 @pytest.mark.parametrize("name", ospace.models.scenarios())
-def test_scenarios_that_come_with_ospace(name):
+def test_scenarios_that_come_with_ospace_have_phases(name):
     assert scenario.load(ospace.models.scenario(name)).phases
 
 
-def test_an_unknown_scenario():
+def test_an_unknown_scenario_names_the_nearest():
     with pytest.raises(ospace.OspaceError, match=r"did you mean 'grasp'"):
         ospace.models.scenario("grsp")
 
 
-def test_the_first_scenario_of_the_docs(load):
+def test_the_first_scenario_of_the_docs_passes(load):
     page = (Path(ospace.__file__).parents[1] / "docs" / "scenario.md").read_text()
     blocks = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     assert scenario.run(load(blocks[0])).passed
@@ -369,7 +358,7 @@ def test_numbers_beyond_all_measure_are_refused(load, was, now, key):
     assert len(what) < 200
 
 
-def test_a_whole_number_of_thousands_of_digits(load):
+def test_a_whole_number_of_thousands_of_digits_is_refused(load):
     with pytest.raises(scenario.ScenarioError, match="is not TOML"):
         load(REACHING.replace("mass = 50", "mass = " + "9" * 5000))
 
@@ -417,12 +406,12 @@ def test_a_wrong_value_brings_no_other_problem(load):
     ]
 
 
-def test_a_completion_without_a_bound(load):
+def test_a_completion_without_a_bound_is_refused(load):
     with pytest.raises(ospace.ScenarioError, match=r"phase\[1\]\.task\[0\]\.completion: .* give position or angle"):
         load(GOOD.replace('completion = { position = "1 mm" }', 'completion = { hold = "1 s" }'))
 
 
-def test_a_file_with_a_byte_order_mark(tmp_path):
+def test_a_file_with_a_byte_order_mark_is_read(tmp_path):
     file = tmp_path / "made.toml"
     file.write_bytes(b"\xef\xbb\xbf" + missions.SHORT.encode())
     assert scenario.load(file).phases

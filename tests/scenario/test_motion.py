@@ -58,13 +58,13 @@ def test_velocities_and_accelerations_are_derivatives(way, cycle):
     np.testing.assert_allclose(acceleration, second, rtol=0, atol=2e-4)
 
 
-def test_it_starts_with_the_point(way, begun):
+def test_an_approach_starts_with_the_point(way, begun):
     pose, velocity, _ = way(0.0)
     assert pose.isApprox(begun[0], 1e-14)
     np.testing.assert_allclose(velocity, begun[1], rtol=0, atol=1e-14)
 
 
-def test_it_ends_with_the_goal_in_place_and_velocity_and_acceleration(begun, goal):
+def test_an_approach_ends_with_the_goal_in_place_and_velocity_and_acceleration(begun, goal):
     """Just before the end, by the blend, as just after, by the goal itself."""
     way = Approach(*begun, goal, duration=DURATION + 1e-9)
     pose, velocity, acceleration = way(DURATION)
@@ -98,7 +98,7 @@ def test_the_target_moves_by_itself_as_if_simulated_at_once(target):
     assert all(certificate.passed for certificate in motion.certificates)
 
 
-def test_a_goal_that_stays(begun):
+def test_a_goal_that_stays_is_reached_at_rest(begun):
     goal = pin.SE3(pin.exp3(SPIN), SPIN)
     way = Approach(*begun, still(goal), duration=DURATION)
     pose, velocity, acceleration = way(3.0)
@@ -127,7 +127,7 @@ def test_half_a_turn_and_more_of_the_goal_is_followed(target, begun):
     np.testing.assert_allclose(acceleration, at.acceleration[0], rtol=0, atol=1e-6)
 
 
-def test_it_starts_with_a_point_that_turns_while_the_goal_does(target, begun):
+def test_an_approach_starts_with_a_point_that_turns_while_the_goal_does(target, begun):
     way = Approach(*begun, free(target).frame(target.point("grapple")), duration=40.0)
     pose, velocity, _ = way(0.0)
     assert pose.isApprox(begun[0], 1e-14)

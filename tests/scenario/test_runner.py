@@ -1,6 +1,5 @@
 """Runs: what the scenarios that come with ospace promise, and what becomes of those that fail."""
 
-import dataclasses
 import math
 
 import missions
@@ -10,8 +9,8 @@ import pytest
 
 import ospace
 from ospace import scenario
-from ospace.scenario import log, motion, result, runner
-from ospace.simulation import Certificate, Conserved, grasp, rigid_body, tumbling
+from ospace.scenario import log, motion, runner
+from ospace.simulation import grasp
 
 
 def worst(run, task, column):
@@ -25,10 +24,7 @@ def certified(run):
     assert all(phase.near_singularity == {} for phase in run.phases)
 
 
-# -- the scenarios that come with ospace -------------------------------------------------------------------------
-
-
-def test_the_grasp_of_the_paper(grasped):
+def test_the_grasp_of_the_paper_keeps_its_tolerances(grasped):
     certified(grasped)
     (held,) = (phase.grasp for phase in grasped.phases if phase.grasp)
     assert held.position_error < 1e-5  # asked for: 1 mm, 0.1 deg
@@ -42,7 +38,7 @@ def test_the_grasp_of_the_paper(grasped):
     assert {one.name for one in grasped.certificate.quantities} >= {"linear momentum", "grasp momentum", "grasp energy"}
 
 
-def test_orientations_by_the_poses_themselves(grasped):
+def test_head_and_base_keep_their_orientation_in_the_grasp(grasped):
     """Not by what the controller calls its error."""
     for frame in ("head", "base"):
         first = None
@@ -54,7 +50,7 @@ def test_orientations_by_the_poses_themselves(grasped):
                 assert math.acos(min(1.0, (np.trace(R @ first.T) - 1.0) / 2.0)) < math.radians(0.01)
 
 
-def test_sigma_min_by_the_generalized_jacobian(grasped):
+def test_sigma_min_of_the_grasp_is_that_of_the_generalized_jacobian(grasped):
     for phase in (grasped.phases[1], grasped.phases[3]):
         segment = grasped.segments[phase.segment]
         k = int(np.argmin(np.abs(segment.trajectory.time - phase.time[1000])))
@@ -81,7 +77,7 @@ def test_the_hand_meets_the_fixture(grasped):
     np.testing.assert_allclose(hand.rotation, fixture.rotation, rtol=0, atol=1e-5)
 
 
-def test_free_flying():
+def test_a_free_flying_grasp_keeps_the_base_and_ends_at_rest():
     run = scenario.run(scenario.load(ospace.models.scenario("grasp_flying")))
     certified(run)
     assert worst(run, "base", 0) < 1e-5
@@ -91,7 +87,7 @@ def test_free_flying():
     assert np.abs(run.segments[0].trajectory.base_wrench).max() > 0.1
 
 
-def test_capture_by_ets_vii():
+def test_ets_vii_captures_its_target_and_comes_to_rest():
     run = scenario.run(scenario.load(ospace.models.scenario("ets_vii_capture")))
     certified(run)
     (held,) = (phase.grasp for phase in run.phases if phase.grasp)
@@ -99,7 +95,7 @@ def test_capture_by_ets_vii():
     assert np.abs(run.segments[1].trajectory.v[-1, 6:]).max() < 1e-4  # the arm stands, both turn as one
 
 
-def test_detumbling():
+def test_detumbling_moves_the_momentum_to_the_wheels():
     run = scenario.run(scenario.load(ospace.models.scenario("detumble")))
     certified(run)
     share, dump = run.phases[1:]
@@ -114,9 +110,6 @@ def test_detumbling():
     assert np.abs(after.v[before_dump, 6:]).max() < 1e-2  # joints stand when the momentum is shared
     assert dump.active_limits
     assert share.outcome == "complete"
-
-
-# -- what would be wrong is seen ---------------------------------------------------------------------------------
 
 
 def test_a_wrong_impulse_is_seen(monkeypatch):
@@ -149,9 +142,6 @@ def test_a_reference_that_does_not_follow_the_target_is_seen(monkeypatch):
     assert "a grasp needs 1 mm and 0.1 deg" in run.phases[0].reason
 
 
-# -- phases ------------------------------------------------------------------------------------------------------
-
-
 def test_phases_take_their_time(load):
     run = scenario.run(load(missions.SHORT))
     assert run.passed
@@ -170,7 +160,7 @@ def test_phases_take_their_time(load):
     assert len(run.segments[0].trajectory) == 71
 
 
-def test_a_phase_that_does_not_complete(load):
+def test_a_phase_that_does_not_complete_times_out(load):
     later = missions.phase("three", duration=1, timeout=1)
     run = scenario.run(load(missions.short(later, tip={"completion": {"position": "1e-30 m"}})))
     assert not run.passed
@@ -180,7 +170,7 @@ def test_a_phase_that_does_not_complete(load):
     assert run.duration == pytest.approx(0.45)
 
 
-def test_a_grasp_where_the_hand_did_not_go(load):
+def test_a_grasp_where_the_hand_did_not_go_fails(load):
     held = {"hand": "end_effector", "fixture": "grapple"}
     run = scenario.run(load(missions.short(move={"grasp": held}, target={"model": "target", "position": [2.5, 0, 0]})))
     assert run.phases[-1].outcome == "failed"
@@ -254,7 +244,7 @@ def test_a_simulation_that_fails_keeps_what_was_run(load, monkeypatch):
     assert run.duration == pytest.approx(0.205)
 
 
-def test_a_phase_that_cannot_begin(load, monkeypatch):
+def test_a_phase_that_cannot_begin_fails(load, monkeypatch):
     """The one before it stays complete."""
     honest = runner.Start.reference
 
@@ -318,28 +308,3 @@ def test_a_log_holds_the_run(tmp_path, grasped):
         np.testing.assert_array_equal(stored.torque_limits, segment.robot.model.effortLimit[6:])
     np.testing.assert_array_equal(read.segments[0].target.q, grasped.segments[0].target_q)
     assert read.segments[1].target is None
-
-
-@pytest.mark.parametrize("order", [1, -1])
-def test_the_worst_certificate_is_the_one_that_cannot_be_computed(order):
-    """Whichever comes first: NaN compares with nothing."""
-    lines = [Conserved("linear momentum", error, 1e-9, 1.0, "kg m/s", 0.0) for error in (1e-15, np.nan, 1e-3)]
-    chosen = result.worst([Certificate((line,)) for line in lines[::order]])
-    assert np.isnan(chosen["linear momentum"].error)
-    assert not chosen.passed
-    boundless = Conserved("linear momentum", 0.0, 1e-9, np.inf, "kg m/s", 0.0)
-    good = Conserved("linear momentum", 1e-12, 1e-9, 1.0, "kg m/s", 0.0)
-    assert not result.worst([Certificate((one,)) for one in (good, boundless)[::order]]).passed
-
-
-@pytest.mark.parametrize(("speed", "spoilt"), [(0.1, {"energy_lost": np.nan}), (1e160, {})])
-def test_a_grasp_whose_balance_cannot_be_computed_fails(speed, spoilt):
-    """One whose energy is not finite is the scale of both lines."""
-    bodies = [rigid_body(10.0, (1.0, 1.0, 1.0), name=name) for name in ("chaser", "target")]
-    chaser, target = (tumbling(one, pin.SE3.Identity(), (0, 0, 0)) for one in bodies)
-    held = grasp(chaser, bodies[0].point("chaser"), target, bodies[1].point("target"))
-    moving = tumbling(bodies[1], pin.SE3.Identity(), (0.0, 0.0, speed))
-    with np.errstate(over="ignore", invalid="ignore"):
-        lines = runner.conserved_in_grasp(chaser, moving, dataclasses.replace(held, **spoilt), 0.0)
-    assert not lines[1].passed
-    assert np.isnan(lines[1].error)

@@ -115,7 +115,7 @@ def _same_motion(a, point_a, b, point_b):
 
 @pytest.mark.parametrize("held", ["base", "link_3"])
 @pytest.mark.parametrize("far", [False, True])
-def test_release_after_a_while(held, far):
+def test_a_release_after_a_while_keeps_momentum(held, far):
     """Grasp, move by joint torques, let go: momentum of all is kept, and what is let go moves as it did."""
     chaser, hand, target, fixture = chaser_and_target(6, 4, held, far=far)
     if far:
@@ -147,7 +147,7 @@ def test_pose_errors_are_those_of_the_points():
     assert one.angle_error == pytest.approx(0.3)
 
 
-def test_two_bodies_that_meet_head_on():
+def test_two_bodies_that_meet_head_on_share_their_momentum():
     """m_1 = 3 kg at 2 m/s takes m_2 = 1 kg at rest, in one line: v = 1.5 m/s, impulse 1.5 N s, 1.5 J lost."""
     a, b = rigid_body(3.0, (1.0, 1.0, 1.0), name="a"), rigid_body(1.0, (1.0, 1.0, 1.0), name="b")
     one = grasp(
@@ -183,7 +183,7 @@ def test_subtrees_stay_whole_and_numbers_follow_their_joints():
     assert np.abs(dense.H @ dense.H_inv - np.eye(robot.nv)).max() < 1e-9
 
 
-def test_urdf_target_in_the_hand():
+def test_a_target_from_urdf_is_held_in_the_hand():
     chaser, target = (SpaceRobot.from_urdf(MODELS / f"{name}.urdf") for name in ("chaser_24dof", "target"))
     a = chaser.state(chaser.configuration())
     T_WH = a.placement(chaser.point("right_hand"))
@@ -222,7 +222,7 @@ def test_tumbling_target_turns_about_its_mass_centre():
 # -- what is refused ---------------------------------------------------------------------------------------------
 
 
-def test_what_cannot_be_grasped():
+def test_what_cannot_be_grasped_is_refused():
     chaser, hand, target, fixture = chaser_and_target(1)
     with pytest.raises(OspaceError, match="belongs to another robot"):
         grasp(chaser, fixture, target, hand)
@@ -243,11 +243,11 @@ def test_what_cannot_be_grasped():
         ((1.0, (1.0, np.nan, 1.0)), "inertia of 'target'"),
     ],
 )
-def test_bodies_that_make_no_sense(arguments, message):
+def test_bodies_that_make_no_sense_are_refused(arguments, message):
     with pytest.raises(OspaceError, match=message):
         rigid_body(*arguments)
 
 
-def test_frame_of_the_bodys_name():
+def test_a_frame_of_the_name_of_its_body_is_refused():
     with pytest.raises(OspaceError, match="frame 'target' bears the name of the body"):
         rigid_body(1.0, (1.0, 1.0, 1.0), frames={"target": pin.SE3.Identity()})

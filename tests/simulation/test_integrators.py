@@ -39,7 +39,7 @@ def slow(state):
 @pytest.mark.parametrize(
     ("integrator", "order", "types"), [("rk4", 4, tuple(trees.JOINT_TYPES)), ("symplectic", 2, SMOOTH)]
 )
-def test_order(integrator, order, types):
+def test_integrators_have_their_order(integrator, order, types):
     robot = trees.tree(5, 14, types)
     if integrator == "symplectic":
         robot = no_drives(robot)
@@ -130,7 +130,7 @@ def test_tolerance_divides_steps_and_is_kept():
 
 
 @pytest.mark.parametrize("integrator", ["rk4", "symplectic"])
-def test_symmetric_top(integrator):
+def test_a_symmetric_top_precesses_as_euler_found(integrator):
     """Torque-free symmetric top: the spin about its axis stays, the rest of ω turns at (A − C)/A Ω in body axes."""
     A, C = 2.0, 3.0
     robot = _body(pin.Inertia(5.0, np.zeros(3), np.diag([A, A, C])))
@@ -151,7 +151,7 @@ def test_symmetric_top(integrator):
     assert np.abs(axis - turned).max() < limit
 
 
-def test_planar_exchange():
+def test_a_planar_arm_and_its_base_exchange_angular_momentum():
     """Two bodies on one hinge through both mass centres: ω_1 I_1 + ω_2 I_2 = 0, angles as under a constant torque."""
     model = pin.Model()
     root = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root_joint")
@@ -165,7 +165,7 @@ def test_planar_exchange():
     assert run.q[-1, 7] == pytest.approx(0.5 * (0.1 / 4.0 + 0.1 / 0.8) * 4.0, rel=1e-13)
 
 
-def test_far_away_and_fast_is_the_same_motion():
+def test_a_robot_far_away_and_fast_moves_the_same():
     """7e6 m away at 7.5e3 m/s: joints and attitude move as they do here."""
     robot = trees.tree(4, 8)
     q, v = slow(trees.state(robot, 4))
@@ -209,7 +209,7 @@ def test_thrusters_and_wheels_that_fire_and_stop(options):
     assert certificate["linear momentum"].error < 1e-11
 
 
-def test_joint_composed_of_rotations():
+def test_a_joint_composed_of_rotations_is_integrated():
     """Not a vector, and of no group that the chart of a tolerance knows."""
     model = pin.Model()
     root = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root_joint")

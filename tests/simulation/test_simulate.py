@@ -1,6 +1,5 @@
 """Commands, wrenches, wheels, noise, delay; what a run keeps, and what it refuses."""
 
-import dataclasses
 import re
 from pathlib import Path
 
@@ -11,7 +10,7 @@ import trees
 
 import ospace
 from ospace import OspaceError, SpaceRobot
-from ospace.simulation import Actuation, Noise, SimulationError, Trajectory, simulate
+from ospace.simulation import Actuation, Noise, SimulationError, simulate
 
 MODELS = Path(__file__).parents[2] / "models"
 
@@ -31,7 +30,7 @@ def run(robot, state, controller=None, **options):
     return simulate(robot, *state, controller, **{"duration": 0.05, **options})
 
 
-def test_documentation_runs(tmp_path, monkeypatch, capsys):
+def test_the_example_of_the_docs_runs(tmp_path, monkeypatch, capsys):
     root = Path(__file__).parents[2]
     example = re.search(r"```python\n(.*?)```", (root / "docs/simulation.md").read_text(), re.DOTALL)[1]
     (tmp_path / "models").symlink_to(root / "models")
@@ -57,9 +56,6 @@ def test_chaser_keeps_momentum():
     assert certificate.passed
     for name in ("linear momentum", "angular momentum", "work and energy"):
         assert certificate[name].error < 1e-11
-
-
-# -- forces ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("integrator", ["rk4", "symplectic"])
@@ -137,23 +133,6 @@ def test_wheels_take_what_the_robot_gives(robot, start):
     assert result.certificate().passed
 
 
-def test_certificate_fails_where_momentum_is_lost(robot, start):
-    """Steps far too long for the motion: the certificate says so, and when it was worst."""
-    result = simulate(robot, start[0], 20.0 * start[1], duration=0.2, step=0.02)
-    certificate = result.certificate()
-    assert not certificate.passed
-    assert "FAIL (worst at" in str(certificate)
-
-
-def test_certificate_of_rest(robot, start):
-    certificate = run(robot, (start[0], np.zeros(robot.nv))).certificate()
-    assert certificate.passed
-    assert certificate["linear momentum"].error == 0.0
-
-
-# -- time --------------------------------------------------------------------------------------------------------
-
-
 def test_controller_is_called_once_a_period_with_the_state(robot, start):
     calls = []
 
@@ -168,7 +147,7 @@ def test_controller_is_called_once_a_period_with_the_state(robot, start):
     assert np.array_equal(result.torque[:, 0], np.r_[np.repeat(2.0 + 5e-3 * np.arange(10), 5), result.torque[-1, 0]])
 
 
-def test_delay_is_a_shift(robot, start):
+def test_a_delayed_command_is_shifted_in_time(robot, start):
     q, _ = start
     law = lambda time, q, v: np.full(robot.n_joints, 0.1 + time)  # noqa: E731
     plain = simulate(robot, q, np.zeros(robot.nv), law, duration=0.05, period=5e-3)
@@ -207,9 +186,6 @@ def test_noise_is_seeded_and_of_the_size_asked(robot, start):
     assert not np.array_equal(noise, errors(Noise(q=1e-3, v=deviation, seed=5)))
     assert np.allclose(noise[:, : robot.nv].std(axis=0), 1e-3, rtol=0.2)
     assert np.allclose(noise[:, robot.nv :].std(axis=0), deviation, rtol=0.2, atol=1e-13)
-
-
-# -- what is kept ------------------------------------------------------------------------------------------------
 
 
 def test_records_and_the_last_state(robot, start):
@@ -263,7 +239,7 @@ def test_state_that_blows_up_says_when_and_keeps_the_run(options):
 
 
 @pytest.mark.parametrize("name", ["torque", "base_wrench", "wheel_torque"])
-def test_command_that_is_not_finite(robot, start, name):
+def test_a_command_that_is_not_finite_ends_the_run(robot, start, name):
     def law(time, q, v):
         command = {"torque": np.zeros(robot.n_joints), "base_wrench": np.zeros(6), "wheel_torque": np.zeros(3)}
         if time > 0.01:
@@ -273,57 +249,6 @@ def test_command_that_is_not_finite(robot, start, name):
     with pytest.raises(SimulationError, match=rf"{name}\[1\] of the controller at 0.01\d* s is nan") as caught:
         run(robot, start, law)
     assert 10 <= len(caught.value.trajectory) <= 11
-
-
-def test_files(robot, start, tmp_path):
-    result = run(robot, start, lambda *_: np.ones(robot.n_joints))
-    loaded = Trajectory.load(result.save(tmp_path / "run"))
-    assert np.array_equal(loaded.q, result.q)
-    assert loaded.robot_name == robot.name
-    assert loaded.interrupted is False
-    assert str(loaded.certificate()) == str(result.certificate())
-    files = result.to_csv(tmp_path / "csv")
-    table = np.loadtxt(next(file for file in files if file.name == "q.csv"), delimiter=",", skiprows=1)
-    assert np.array_equal(table, np.c_[result.time, result.q])
-    (tmp_path / "other.npz").write_bytes(b"no archive")
-    (tmp_path / "cut.npz").write_bytes((tmp_path / "run.npz").read_bytes()[:-100])
-    for name in ("other.npz", "cut.npz", "missing.npz"):
-        with pytest.raises(OspaceError, match="no trajectory can be read"):
-            Trajectory.load(tmp_path / name)
-    np.savez(tmp_path / "else.npz", q=np.zeros(3))
-    with pytest.raises(OspaceError, match="holds no trajectory"):
-        Trajectory.load(tmp_path / "else.npz")
-
-
-def test_state_between_records(robot, start):
-    result = run(robot, start)
-    for k in (0, 7, 50):
-        assert np.array_equal(result.at(robot, result.time[k])[0], result.q[k])
-    coarse = run(robot, start, log_every=2)
-    q, v = coarse.at(robot, 0.011)
-    assert np.abs(pin.difference(robot.model, q, result.q[11])).max() < 1e-4
-    assert np.abs(v - result.v[11]).max() < 1e-3
-    with pytest.raises(OspaceError, match=r"reaches from 0\.0 s to 0\.05 s"):
-        result.at(robot, 0.1)
-    with pytest.raises(OspaceError, match="not of"):
-        result.at(trees.tree(1, 2), 0.0)
-
-
-def test_state_between_records_of_a_base_in_orbit(robot, start):
-    """The same but for the orbit: a base that turns as it flies by does not go along a screw of kilometres."""
-    q, v = start
-    place, fast = np.array([7e6, -3e6, 1e6]), np.array([0.0, 7.5e3, 0.0])
-    far, moving = q.copy(), v.copy()
-    far[:3] += place
-    moving[:3] += pin.Quaternion(q[3:7]).matrix().T @ fast
-    here, there = (run(robot, state, log_every=10) for state in ((q, v), (far, moving)))
-    for time in (0.003, 0.0171, 0.048):
-        seen = there.at(robot, time)[0]
-        seen[:3] -= place + time * fast
-        assert np.abs(pin.difference(robot.model, seen, here.at(robot, time)[0])).max() < 1e-8
-
-
-# -- what is refused ---------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -349,12 +274,12 @@ def test_state_between_records_of_a_base_in_orbit(robot, start):
         ({"wrenches": {"hand": np.zeros(6)}}, "'hand' is not an OperationalPoint"),
     ],
 )
-def test_arguments_that_make_no_sense(robot, start, options, message):
+def test_simulate_refuses_arguments_that_make_no_sense(robot, start, options, message):
     with pytest.raises(OspaceError, match=message):
         run(robot, start, lambda *_: np.zeros(robot.n_joints), **options)
 
 
-def test_wrenches_that_make_no_sense(robot, start):
+def test_simulate_refuses_wrenches_that_make_no_sense(robot, start):
     point = robot.point("link_1")
     with pytest.raises(OspaceError, match="wrench at point 'link_1' has shape"):
         run(robot, start, wrenches={point: np.zeros(3)})
@@ -372,59 +297,6 @@ def test_wrenches_that_make_no_sense(robot, start):
         (lambda *_: "left", "the controller gave 'left' at 0 s"),
     ],
 )
-def test_controllers_that_make_no_sense(robot, start, controller, message):
+def test_simulate_refuses_controllers_that_make_no_sense(robot, start, controller, message):
     with pytest.raises(OspaceError, match=message):
         run(robot, start, controller)
-
-
-# -- a certificate that cannot be computed -------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def certified(robot, start):
-    return simulate(robot, *start, duration=0.01)
-
-
-@pytest.mark.parametrize("value", [np.nan, np.inf])
-@pytest.mark.parametrize("field", ["work", "kinetic_energy", "momentum", "impulse", "wheel_momentum", "dissipated"])
-def test_a_line_that_cannot_be_computed_fails(certified, field, value):
-    """In the last record alone: no line passes that the number enters, least of all by a scale without bound."""
-    spoilt = getattr(certified, field).copy()
-    spoilt[-1] = value
-    certificate = dataclasses.replace(certified, **{field: spoilt}).certificate()
-    assert not certificate.passed
-    assert "FAIL (not computable at" in str(certificate)
-
-
-@pytest.mark.parametrize("scale", ["total_mass", "largest_inertia"])
-def test_a_scale_without_bound_fails(certified, scale):
-    name = {"total_mass": "linear momentum", "largest_inertia": "angular momentum"}[scale]
-    for value in (np.inf, np.nan):
-        certificate = dataclasses.replace(certified, **{scale: value}).certificate()
-        assert not certificate[name].passed
-        assert certificate["work and energy"].passed
-    assert certified.certificate().passed
-
-
-# -- limits of joints ----------------------------------------------------------------------------------------------
-
-
-def test_joints_beyond_their_limits_are_told_with_amount_and_time(tmp_path):
-    robot = SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")
-    upper = robot.model.upperPositionLimit[7:]
-    q, v = robot.configuration({"joint_1": upper[0] - 0.05, "joint_2": upper[1] + 0.2}), np.zeros(8)
-    v[6] = 1.0
-    run = simulate(robot, q, v, duration=0.1)
-    assert set(run.outside_limits) == {"joint_1", "joint_2"}
-    for joint, column in (("joint_1", 7), ("joint_2", 8)):
-        excess = run.outside_limits[joint]
-        assert excess.amount == pytest.approx((run.q[:, column] - upper[column - 7]).max(), rel=1e-12)
-        assert excess.time == run.time[np.argmax(run.q[:, column])]
-        assert excess.unit == "rad"
-        assert f"'{joint}' by {excess.amount:.3g} rad ({np.degrees(excess.amount):.3g} deg) at" in str(run)
-    assert robot.outside_limits(run.q[-1]).keys() == run.outside_limits.keys()
-    file = run.save(tmp_path / "run")
-    assert Trajectory.load(file).outside_limits == run.outside_limits
-    inside = simulate(robot, robot.neutral(), np.zeros(8), duration=0.01)
-    assert inside.outside_limits == {}
-    assert str(inside).endswith("outside limits of joints: none")

@@ -79,7 +79,7 @@ def test_the_velocity_is_the_derivative(robot):
         np.testing.assert_allclose(0.5 * (forth + back)[:6], motion.v[k, :6], rtol=0, atol=5.0 * h * h)
 
 
-def test_fourth_order(monkeypatch):
+def test_the_base_s_motion_is_of_fourth_order(monkeypatch):
     """Half the step, a sixteenth of the error in how the base is turned."""
     robot = trees.tree(3, 9)
     q = start_of(robot)
@@ -113,7 +113,7 @@ def test_out_and_back_along_one_joint_brings_the_base_back(robot):
         )
 
 
-def test_two_joints_in_turn_do_not():
+def test_out_and_back_along_two_joints_in_turn_turns_the_base():
     """A cat turns so: the base ends elsewhere than it began, with its momentum zero all the while."""
     robot = SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")
 
@@ -147,13 +147,13 @@ def test_a_sweep_goes_to_the_limits_and_back():
 
 
 @pytest.mark.parametrize("duration", [0.0, -1.0, np.nan, np.inf])
-def test_a_duration_that_is_none(duration):
+def test_a_duration_that_is_none_is_refused(duration):
     robot = SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")
     with pytest.raises(OspaceError, match="give a positive number"):
         zero_momentum_motion(robot, robot.configuration(), waving(robot), duration)
 
 
-def test_bad_input():
+def test_zero_momentum_motion_refuses_bad_input():
     robot = SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")
     with pytest.raises(OspaceError, match="q"):
         zero_momentum_motion(robot, np.zeros(3), waving(robot), 1.0)
@@ -232,7 +232,7 @@ def test_a_joint_far_beyond_its_limits_takes_no_longer(hinged):
         ("prismatic along any axis", [False]),
     ],
 )
-def test_what_turns_and_what_shifts(kind, turning):
+def test_the_sweep_tells_joints_that_turn_from_joints_that_shift(kind, turning):
     """Half a turn to either side, or a metre: by the columns of the joint, whatever it is called."""
     robot = trees.tree(1, 1, types=(kind,))
     motion = joint_sweep(robot, pin.neutral(robot.model))
@@ -241,7 +241,7 @@ def test_what_turns_and_what_shifts(kind, turning):
     np.testing.assert_allclose(moved.min(axis=0), np.where(turning, -np.pi, -1.0), rtol=1e-6)
 
 
-def test_progress_of_a_sweep():
+def test_a_sweep_reports_its_progress_by_joint():
     robot = SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")
     shares = []
     motion = joint_sweep(robot, robot.configuration(), progress=shares.append)

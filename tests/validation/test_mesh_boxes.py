@@ -45,7 +45,7 @@ def told(robot):
     "fitting",
     [{}, {"file": "arm_mm.obj", "scale": "0.001 0.001 0.001"}, {"scale": "1 -1 1"}, {"file": "elsewhere.dae"}],
 )
-def test_what_fits_is_not_told(read, fitting):
+def test_a_mesh_that_fits_its_inertia_is_not_reported(read, fitting):
     assert told(read(**fitting)) == []
 
 
@@ -59,17 +59,17 @@ def test_what_fits_is_not_told(read, fitting):
         ({"file": "cut.stl"}, "mesh-unreadable"),
     ],
 )
-def test_what_does_not_fit_is_told_by_link(read, wrong, code):
+def test_a_mesh_that_does_not_fit_is_reported_by_link(read, wrong, code):
     assert (code, "link 'arm'") in told(read(**wrong))
 
 
-def test_a_mesh_that_is_not_there_is_told_once(read):
+def test_a_missing_mesh_is_reported_once(read):
     robot = read(file="nowhere.stl")
     assert told(robot) == []
     assert [finding.code for finding in robot.findings] == ["mesh-missing"]
 
 
-def test_check_tells(read):
+def test_check_reports_boxes_that_do_not_fit(read):
     robot = read(moment=40.0)
     report = check(robot, [robot.point("arm")], samples=1)
     assert "gyration-large" in [finding.code for finding in report.findings]

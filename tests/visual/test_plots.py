@@ -75,7 +75,7 @@ def test_every_column_keeps_its_smallest_and_largest():
         assert values[inside].max() >= values[own].max()
 
 
-def test_few_points_stay():
+def test_a_curve_of_few_points_keeps_them():
     np.testing.assert_array_equal(plots.thinned(np.arange(10.0), np.ones(10), 100), np.arange(10))
 
 
@@ -128,7 +128,7 @@ def test_ids_are_a_panels_own_and_references_find_them(panels):
         assert {url or href for url, href in references} <= set(ids)
 
 
-def test_text_stays_text(panels, flown):
+def test_text_of_a_plot_stays_text(panels, flown):
     torque = next(panel for panel in panels if panel.name == "torque")
     assert {"joint_1", "joint_2", "Torque of joints, share of its limit", "%", "time, s"} <= set(texts(torque.svg))
     assert {phase.name for phase in flown.phases} <= set(texts(torque.svg))

@@ -64,12 +64,12 @@ def transforms(scene):
         ({"background": "white"}, r"background 'white': choose from space, paper"),
     ],
 )
-def test_what_is_refused(robot, options, words):
+def test_a_scene_refuses_what_it_cannot_show(robot, options, words):
     with pytest.raises(OspaceError, match=words):
         Scene(robot, **options)
 
 
-def test_points_of_another_robot(robot):
+def test_points_of_another_robot_are_refused_by_a_scene(robot):
     other = SpaceRobot.from_urdf(models.path("chaser_7dof"))
     with pytest.raises(OspaceError, match="robot"):
         Scene(robot, [other.point(other.leaf_links[0])])
@@ -86,7 +86,7 @@ def test_points_of_another_robot(robot):
         ("home", None),
     ],
 )
-def test_no_state_of_the_robot(robot, q, v):
+def test_what_is_no_state_of_the_robot_is_refused(robot, q, v):
     scene = Scene(robot)
     before = commands(scene)
     with pytest.raises(OspaceError):
@@ -94,7 +94,7 @@ def test_no_state_of_the_robot(robot, q, v):
     assert commands(scene) == before
 
 
-def test_configurations_of_others(robot):
+def test_configurations_of_other_robots_are_refused(robot):
     scene = Scene(robot)
     target = SpaceRobot.from_urdf(models.path("target"))
     with pytest.raises(OspaceError, match="1 configurations of others: there are 0"):
@@ -123,7 +123,7 @@ def test_where_the_base_is_first_is_where_it_is_seen_from(robot):
     assert q[0] == 7e6 + 0.5  # what is the caller's stays
 
 
-def test_layers(robot):
+def test_a_scene_has_its_layers(robot):
     content = Scene(robot).content()
     assert [layer.name for layer in content.layers] == list(LAYERS)
     assert {layer.name for layer in content.layers if layer.shown} == set(SHOWN)
@@ -199,7 +199,7 @@ def test_points_with_any_name_are_shown(tmp_path, name):
     assert scene.content().labels[0].text == name
 
 
-def test_a_robot_without_a_description():
+def test_a_robot_without_a_description_is_drawn_by_its_inertias():
     """Made from a Pinocchio model: boxes of its inertias stand for its links."""
     robot = trees.tree(5, 6)
     scene = Scene(robot)
@@ -211,7 +211,7 @@ def test_a_robot_without_a_description():
     scene.display(trees.state(robot, 1).q)
 
 
-def test_massless_and_single():
+def test_links_without_mass_and_single_bodies_are_drawn():
     """A base alone, and bodies without mass: nothing to draw is no mistake."""
     model = pin.Model()
     model.name = "alone"
@@ -225,7 +225,7 @@ def test_massless_and_single():
     scene.display(robot.configuration(), np.r_[1.0, np.zeros(5)])
 
 
-def test_a_box_of_the_same_inertia():
+def test_a_box_of_the_same_inertia_stands_for_a_body():
     """What stands for a link is as large as the uniform box of its mass and moments."""
     model = pin.Model()
     model.name = "box"
@@ -240,7 +240,7 @@ def test_a_box_of_the_same_inertia():
     assert sorted([made["width"], made["height"], made["depth"]]) == pytest.approx([0.2, 0.4, 0.6])
 
 
-def test_text_of_a_page(robot, tmp_path):
+def test_a_page_allows_no_connection_and_is_sandboxed_in_a_notebook(robot, tmp_path):
     scene = Scene(robot)
     file = scene.save_html(tmp_path / "scene.html")
     page = file.read_text(encoding="utf-8")
@@ -252,7 +252,7 @@ def test_text_of_a_page(robot, tmp_path):
     assert 'sandbox="allow-scripts"' in scene._repr_html_()
 
 
-def test_as_an_attribute_of_the_package():
+def test_an_unknown_name_of_the_visual_package_is_an_attribute_error():
     import ospace.visual
 
     with pytest.raises(AttributeError, match="no attribute 'Scenery'"):

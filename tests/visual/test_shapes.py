@@ -48,7 +48,7 @@ def bounds(parts):
     ],
     ids=["box", "sphere", "cylinder", "capsule"],
 )
-def test_primitives(one, expected):
+def test_primitives_have_their_size(one, expected):
     parts = list(shape_parts(one, None))
     if expected is None:
         expected = trimesh.creation.capsule(0.9, 0.1, count=[64, 64])
@@ -70,7 +70,7 @@ WEDGE = trimesh.Trimesh(
 
 @pytest.mark.parametrize("suffix", ["stl", "obj", "ply", "glb", "off"])
 @pytest.mark.parametrize("scale", [(1.0, 1.0, 1.0), (0.1, 0.2, 0.3), (1.0, -1.0, 1.0), (-0.5, -0.5, -0.5), (-1, -2, 1)])
-def test_meshes(tmp_path, suffix, scale):
+def test_meshes_have_their_size_and_face_outwards(tmp_path, suffix, scale):
     file = tmp_path / f"wedge.{suffix}"
     WEDGE.export(file)
     (part,) = shape_parts(shape("mesh", scale, filename=file.name), file)
@@ -102,20 +102,20 @@ def test_a_mesh_of_parts_keeps_their_colours(tmp_path):
 
 
 @pytest.mark.parametrize("content", [b"", b"solid nothing\nendsolid nothing\n", b"\x00" * 84, b"not a mesh"])
-def test_what_is_no_mesh(tmp_path, content):
+def test_what_is_no_mesh_is_reported(tmp_path, content):
     file = tmp_path / "broken.stl"
     file.write_bytes(content)
     with pytest.raises(ValueError, match=r"broken\.stl"):
         list(shape_parts(shape("mesh", (1.0, 1.0, 1.0), filename=file.name), file))
 
 
-def test_material():
+def test_a_material_clips_colour_and_opacity():
     made = material((1.0, 0.5, -3.0, 7.0))
     assert (made.color, made.opacity) == (0xFF8000, 1.0)
     assert material((0.0, 0.0, 1.0, 0.25)).opacity == 0.25
 
 
-def test_box_corners():
+def test_a_box_has_eight_corners_around_its_centre():
     corners = box_corners(homogeneous(np.eye(3), np.array([1.0, 2.0, 3.0])), np.array([0.1, 0.2, 0.3]))
     assert len({tuple(one) for one in corners}) == 8
     np.testing.assert_allclose([corners.min(axis=0), corners.max(axis=0)], [[0.9, 1.8, 2.7], [1.1, 2.2, 3.3]])

@@ -70,7 +70,7 @@ def test_far_from_all_limits_acceleration_bounds():
     assert clamp(0.0, 0.0) == (-2.0, 2.0, ACCELERATION, ACCELERATION)
 
 
-def test_velocity_limit():
+def test_a_joint_keeps_its_velocity_limit():
     """Within one period the rate reaches the limit and no more; from beyond it, it comes back."""
     low, high, of_low, of_high = clamp(0.0, 0.495)
     assert (low, of_low) == (-2.0, ACCELERATION)
@@ -89,7 +89,7 @@ def decelerating(braking=0.8, torque=(-3.0, 3.0), inertia=1.0, acceleration=2.0)
 
 
 @pytest.mark.parametrize("rate", [0.0, 0.19, 0.195, 0.2, 0.205])
-def test_position_limit(rate):
+def test_a_joint_stops_at_its_position_limit(rate):
     """The highest rate at the end of the period is the ceiling of the way that is left, both ways round."""
     way, a = 0.013, decelerating()
     expected = (ceiling(way - 0.5 * PERIOD * rate, a, PERIOD) - rate) / PERIOD

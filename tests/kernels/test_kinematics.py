@@ -32,14 +32,14 @@ def near(x):
 
 
 @pytest.mark.parametrize("turn", [0, 1, 2, 3, 4, 5, 7, 10, 63661])
-def test_at_quarter_turns_and_where_the_reduction_changes(turn):
+def test_sine_and_cosine_at_quarter_turns_and_where_the_reduction_changes(turn):
     for x in (turn * np.pi / 2.0, (turn + 0.5) * np.pi / 2.0):
         for angle in [*near(x), *near(-x)]:
             if abs(angle) <= LIMIT:
                 close(float(angle))
 
 
-def test_small_angles_keep_all_their_digits():
+def test_sine_and_cosine_of_small_angles_keep_all_their_digits():
     for x in (0.0, 5e-324, 1e-300, 1e-17, 1e-8, 1e-3):
         for angle in (x, -x):
             s, c = sine_cosine(angle)
@@ -49,18 +49,18 @@ def test_small_angles_keep_all_their_digits():
 
 
 @pytest.mark.parametrize("largest", [1.0, 4.0, 100.0, LIMIT])
-def test_angles_at_random(largest):
+def test_sine_and_cosine_of_random_angles(largest):
     for x in np.random.default_rng(6).uniform(-largest, largest, 500):
         close(float(x))
 
 
-def test_at_the_limit():
+def test_sine_and_cosine_at_the_largest_angle():
     for x in (LIMIT, -LIMIT, np.nextafter(LIMIT, 0.0)):
         close(float(x))
 
 
 @pytest.mark.parametrize("way", [compiled, sines_cosines], ids=["compiled", "interpreted"])
-def test_of_a_whole_table(way):
+def test_sines_and_cosines_of_a_whole_table(way):
     """Sums that the compiler may reorder elsewhere stay in order in the reduction."""
     x = np.r_[np.random.default_rng(7).uniform(-LIMIT, LIMIT, 300), np.arange(-8, 9) * np.pi / 4.0, LIMIT, -LIMIT]
     sine, cosine = np.full((2, len(x), 1), np.nan)
@@ -69,7 +69,7 @@ def test_of_a_whole_table(way):
     np.testing.assert_allclose(np.hstack([sine, cosine]), expected, rtol=0, atol=EPS)
 
 
-def test_of_several_lanes():
+def test_sines_and_cosines_of_several_lanes():
     x = np.linspace(-7.0, 7.0, 32)
     s, c = sine_cosine(x)
     np.testing.assert_array_equal(np.column_stack([s, c]), [sine_cosine(one) for one in x])
