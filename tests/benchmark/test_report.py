@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 
 import pytest
+import trees
 
 import ospace
 from ospace.benchmark import plot, report
