@@ -130,7 +130,7 @@ def _check(given: argparse.Namespace) -> tuple[int, str]:
 
     if given.html:
         require_scene("a report")
-    file, folders = find(given.urdf), [Path(folder) for folder in package_dirs(given)]
+    file, folders = find(given.urdf), package_dirs(given)
     output.distinct([file], [given.html])
     output.writable(given.html)
     result, description = _report(given, file, folders)
@@ -142,7 +142,7 @@ def _check(given: argparse.Namespace) -> tuple[int, str]:
     def report() -> None:
         from ospace.visual import check_report
 
-        check_report.save(result, description, given.html, urdf=given.urdf, folders=[file, *folders])
+        check_report.save(result, description, given.html, name=given.urdf, urdf=file, package_dirs=folders)
 
     given.refuse_if_interrupted()  # which an import may have swallowed: nothing is printed then
     done = [output.printed(text), output.written(given.html, "report", report)]
@@ -157,7 +157,9 @@ def _report(given: argparse.Namespace, file: Path, folders: Sequence[Path]) -> t
     from ospace.dynamics.workspace import compile_kernels
     from ospace.model.robot import SpaceRobot
     from ospace.urdf import reader
+    from ospace.urdf.lint.findings import by_severity
     from ospace.validation import report
+    from ospace.validation.mesh_boxes import of_meshes
 
     reading = reader.read(
         file,
@@ -169,7 +171,8 @@ def _report(given: argparse.Namespace, file: Path, folders: Sequence[Path]) -> t
     )
     description, findings = reading.description, reading.findings
     if reading.model is None:
-        return report.Report(None, findings, seed=given.seed), description
+        on_meshes = of_meshes(description, file, folders, findings)
+        return report.Report(None, by_severity([*findings, *on_meshes]), seed=given.seed), description
     robot = SpaceRobot(reading.model, findings, source=file, description=description, package_dirs=folders)
     points = [robot.point(name) for name in given.point or robot.leaf_links[:_MOST_POINTS]]
     with progress.bar(given, "comparing states", given.samples) as advance:

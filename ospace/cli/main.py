@@ -104,14 +104,15 @@ def find(text: str, *, scenario: bool = False) -> Path:
     return models.scenario(text) if scenario else models.path(text)
 
 
-def package_dirs(given: argparse.Namespace) -> list[str]:
-    """Return the folders given with --package-dir; raises `OspaceError` where one is not there."""
+def package_dirs(given: argparse.Namespace) -> list[Path]:
+    """Return the folders given with --package-dir; raise `OspaceError` where one is not there."""
     from ospace.exceptions import OspaceError
 
-    for folder in given.package_dir:
-        if not Path(folder).is_dir():
+    folders = [Path(folder) for folder in given.package_dir]
+    for folder in folders:
+        if not folder.is_dir():
             raise OspaceError(f"--package-dir {folder}: no such folder")
-    return list(given.package_dir)
+    return folders
 
 
 @contextmanager

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time as clock
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,9 @@ if TYPE_CHECKING:
     from ospace.kernels.tree import Floats
     from ospace.model.robot import SpaceRobot
     from ospace.simulation.zero_momentum import FloatingMotion
+    from ospace.urdf.errors import UnsoundModelError
     from ospace.visual import Scene
+    from ospace.visual.page import Content
 
 _FRAME = 1.0 / 30.0  # s from one picture of a sweep to the next
 _WAIT = 0.2  # s
@@ -29,8 +32,10 @@ def add_to(verbs: Any) -> None:
         help="look at a robot in a browser",
         description="Show a robot, its operational points and centre of mass, and as layers its inertias, the "
         "operational-space inertia, the generalized manipulability and momentum. Serves a page to browsers on this "
-        "machine until Ctrl-C, unless --html or --screenshot writes a file. Exit status: 0 shown or written, 2 "
-        "unreadable input, unwritable output or wrong usage, 130 interrupted before it was shown.",
+        "machine until Ctrl-C, unless --html or --screenshot writes a file. A robot with findings of level error has "
+        "no dynamics: it is shown as its file describes it, faults coloured. Exit status: 0 shown or written, 1 shown "
+        "or written with such findings, 2 unreadable input, unwritable output or wrong usage, 130 interrupted before "
+        "it was shown.",
     )
     verb.add_argument(
         "urdf", metavar="URDF", help="a URDF, a xacro with its NAME:=VALUE..., or a robot that comes with ospace"
@@ -89,6 +94,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     from ospace.extras import require_scene
     from ospace.model.joint_positions import excess_text
     from ospace.model.robot import SpaceRobot
+    from ospace.urdf.errors import UnsoundModelError
     from ospace.visual import browser
 
     if given.html or given.screenshot:
@@ -103,9 +109,13 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     file = find(given.urdf)
     output.distinct([file], [given.html, given.screenshot])
     output.writable(given.html, given.screenshot)
-    robot = SpaceRobot.from_urdf(
-        file, package_dirs(given), xacro_args=given.xacro_args, free_mimic=given.free_mimic, root=given.root
-    )
+    folders = package_dirs(given)
+    try:
+        robot = SpaceRobot.from_urdf(
+            file, folders, xacro_args=given.xacro_args, free_mimic=given.free_mimic, root=given.root
+        )
+    except UnsoundModelError as error:
+        return _unsound(given, error, file, folders)
     q = robot.configuration({**robot.joint_positions(robot.neutral()), **_pose(given.pose, robot)})
     if beyond := robot.outside_limits(q):
         print(f"ospace: warning: --pose is outside limits: {excess_text(robot.model, beyond)}", file=sys.stderr)
@@ -114,18 +124,58 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     for finding in scene.findings:
         print(f"ospace: {finding}", file=sys.stderr)
     if given.html or given.screenshot:
-        return 0, _write(given, scene, q)
-    return _serve(given, scene, _sweep(given, robot, q) if given.sweep else None)
+        return 0, _write(given, scene.html, lambda: _animated(given, scene, q))
+    return 0, _serve(given, scene.content, _player(given, scene, q))
 
 
-def _scene(given: argparse.Namespace, robot: SpaceRobot) -> Scene:
-    from ospace.visual.scene import SHOWN, Scene
+def _unsound(
+    given: argparse.Namespace, error: UnsoundModelError, file: Path, folders: Sequence[Path]
+) -> tuple[int, str]:
+    """Show a robot without sound dynamics as its file describes it, its faults coloured."""
+    from ospace.cli.main import EXIT_FINDINGS
+    from ospace.exceptions import printable
+    from ospace.urdf.lint.findings import by_severity
+    from ospace.validation.words import number
+    from ospace.visual import marked_robot, page
+    from ospace.visual.robot_geometry import TITLES
+    from ospace.visual.scene import checked_layers
+
+    description = error.description
+    assert description is not None  # as the robot was read from a file
+    layers = checked_layers(_layers(given))
+    drawn = marked_robot.draw(description, error.findings, file, folders, layers=layers, background=given.background)
+    faults = [finding for finding in by_severity(error.findings) if finding.severity != "info"]
+    errors = sum(finding.severity == "error" for finding in faults)
+    for text in (*map(str, faults), *drawn.notes):
+        print(f"ospace: {text}", file=sys.stderr)
+    unused = [f"--{name}" for name in ("point", "pose", "sweep") if getattr(given, name)]
+    if given.layers is not None:
+        unused += [f"layer {name}" for name in layers if name not in TITLES]
+    if unused:
+        print(f"ospace: warning: not used, as no dynamics can be computed: {', '.join(unused)}", file=sys.stderr)
+    heading = f"unsound: {number(errors, 'error')}, {number(len(faults) - errors, 'warning')}; all joints at zero"
+    content = drawn.content(printable(description.name), heading, given.background, faults)
+    if given.html or given.screenshot:
+        text = page.render(content)
+        return EXIT_FINDINGS, _write(given, lambda: text, lambda: text)
+    return EXIT_FINDINGS, _serve(given, lambda: content)
+
+
+def _layers(given: argparse.Namespace) -> list[str]:
+    """Return the names of the layers shown at first."""
+    from ospace.visual.scene import SHOWN
 
     shown = [name.strip() for name in given.layers.split(",")] if given.layers is not None else list(SHOWN)
     if given.collision:
         shown = ["collision", *(name for name in shown if name != "robot")]
+    return [name for name in shown if name]
+
+
+def _scene(given: argparse.Namespace, robot: SpaceRobot) -> Scene:
+    from ospace.visual.scene import Scene
+
     points = [robot.point(name) for name in given.point] if given.point else None
-    return Scene(robot, points, show=[name for name in shown if name], background=given.background)
+    return Scene(robot, points, show=_layers(given), background=given.background)
 
 
 def _pose(text: str, robot: SpaceRobot) -> dict[str, float]:
@@ -158,45 +208,62 @@ def _sweep(given: argparse.Namespace, robot: SpaceRobot, q: Floats) -> FloatingM
         return joint_sweep(robot, q, progress=lambda share: advance(int(100.0 * share)))
 
 
-def _write(given: argparse.Namespace, scene: Scene, q: Floats) -> str:
+def _animated(given: argparse.Namespace, scene: Scene, q: Floats) -> str:
+    """Return the page of a scene, in motion with --sweep."""
     from ospace.cli import progress
+
+    if given.sweep:
+        motion = _sweep(given, scene.robot, q)
+        with progress.bar(given, "drawing the motion", 1):
+            scene.animate(motion)
+    return scene.html()
+
+
+def _write(given: argparse.Namespace, still: Callable[[], str], page: Callable[[], str]) -> str:
+    """Write the picture of a page that stands still, and a page; return what was written."""
+    from ospace.files import replacing
     from ospace.visual import browser
 
     written = []
     if given.screenshot:
-        browser.screenshot(scene.html(), given.screenshot)
+        browser.screenshot(still(), given.screenshot)
         written.append(f"wrote {given.screenshot}\n")
     if given.html:
-        if given.sweep:
-            motion = _sweep(given, scene.robot, q)
-            with progress.bar(given, "drawing the motion", 1):
-                scene.animate(motion)
-        scene.save_html(given.html)
+        text = page()
+        with replacing(given.html) as part:
+            part.write_text(text, encoding="utf-8")
         written.append(f"wrote {given.html}: {given.html.stat().st_size / 1e6:.1f} MB, opened by any browser\n")
     return "".join(written)
 
 
-def _serve(given: argparse.Namespace, scene: Scene, motion: FloatingMotion | None) -> tuple[int, str]:
-    """Serve until Ctrl-C, which is how it ends well."""
+def _serve(given: argparse.Namespace, content: Callable[[], Content], play: Callable[[], None] | None = None) -> str:
+    """Serve until Ctrl-C, which is how it ends well; `play` shows a motion once, whenever somebody looks."""
     from ospace.visual.server import LOOPBACK, Server
 
-    with Server(scene.content, given.host or LOOPBACK, given.port) as server:
+    with Server(content, given.host or LOOPBACK, given.port) as server:
         print(f"{given.urdf} at {server.address} (Ctrl-C ends)", flush=True)
         try:
             while True:
-                if motion is not None and server.viewers:
-                    _play(scene, motion.q, motion.v, motion.time)
+                if play is not None and server.viewers:
+                    play()
                 else:
                     clock.sleep(_WAIT)
         except KeyboardInterrupt:
             given.clear_interrupt()
-    return 0, ""
+    return ""
 
 
-def _play(scene: Scene, Q: Floats, V: Floats, time: Floats) -> None:
-    """Show a motion once, at its own pace."""
-    began, k = clock.perf_counter(), 0
-    while k < len(time):
-        scene.display(Q[k], V[k])
-        clock.sleep(_FRAME)
-        k = max(k + 1, int(time.searchsorted(clock.perf_counter() - began)))
+def _player(given: argparse.Namespace, scene: Scene, q: Floats) -> Callable[[], None] | None:
+    """Return what shows the motion of --sweep once, at its own pace; None without one."""
+    if not given.sweep:
+        return None
+    motion = _sweep(given, scene.robot, q)
+
+    def play() -> None:
+        began, k = clock.perf_counter(), 0
+        while k < len(motion.time):
+            scene.display(motion.q[k], motion.v[k])
+            clock.sleep(_FRAME)
+            k = max(k + 1, int(motion.time.searchsorted(clock.perf_counter() - began)))
+
+    return play

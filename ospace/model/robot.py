@@ -121,7 +121,7 @@ class SpaceRobot(Layout):
             file, package_dirs=folders, xacro_args=xacro_args, limits=limits, free_mimic=free_mimic, root=root
         )
         if reading.model is None:
-            raise UnsoundModelError(reading.description.name, reading.findings)
+            raise UnsoundModelError(reading.description.name, reading.findings, reading.description)
         return cls(reading.model, reading.findings, source=file, description=reading.description, package_dirs=folders)
 
     @classmethod

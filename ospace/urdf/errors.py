@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from ospace.exceptions import OspaceError, printable
+from ospace.urdf.description import Description
 from ospace.urdf.lint.findings import Finding
 
 
@@ -35,9 +36,11 @@ class UnsoundModelError(OspaceError):
     ----------
     findings : tuple of Finding
         What is wrong, each with link or joint and remedy.
+    description : Description or None
+        Links, joints and shapes as the file has them; None where the model was not read from a file.
     """
 
-    def __init__(self, name: str, findings: Iterable[Finding]) -> None:
-        self.findings = tuple(findings)
+    def __init__(self, name: str, findings: Iterable[Finding], description: Description | None = None) -> None:
+        self.findings, self.description = tuple(findings), description
         lines = "".join(f"\n  {finding}" for finding in self.findings if finding.severity == "error")
         super().__init__(f"robot '{printable(name)}' has no sound dynamics:{lines}")

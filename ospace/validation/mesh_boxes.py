@@ -2,68 +2,87 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 
 from ospace.kernels.tree import Floats
-from ospace.model.robot import SpaceRobot
+from ospace.urdf import mesh_file
 from ospace.urdf.bodies import placement
-from ospace.urdf.description import Link, Pose, Shape
+from ospace.urdf.description import Description, Link, Pose, Shape
 from ospace.urdf.lint import plausibility
 from ospace.urdf.lint.findings import Finding, make_finding
 from ospace.urdf.lint.meshes import MOST, MeshError, locate
+from ospace.urdf.numbers import LARGEST
 
-_MEASURED = (".stl", ".obj")  # formats without units or axes of their own
 _LARGEST = 50_000_000  # bytes
 
 
-def of_meshes(robot: SpaceRobot) -> Iterator[Finding]:
-    """Tell of links whose mass, inertia or centre does not fit the extent of their meshes, and of meshes cut short.
+def of_meshes(
+    description: Description, urdf: Path, package_dirs: Sequence[Path], known: Iterable[Finding]
+) -> Iterator[Finding]:
+    """Report links whose mass, inertia or centre does not fit the extent of their meshes, and meshes without triangles.
 
     Meshes are looked for where `ospace.urdf.lint.meshes.locate` does; those that are not found have findings already.
+
+    Parameters
+    ----------
+    description : Description
+        Of a robot, sound or not.
+    urdf : Path
+        Its file.
+    package_dirs : sequence of Path
+        Where ``package://`` names of meshes are looked up.
+    known : iterable of Finding
+        What was found without meshes, and is not found again.
+
+    Returns
+    -------
+    iterator of Finding
     """
-    description, source = robot.description, robot.source
-    if description is None or source is None:
-        return
     links, changed, looked_for = [], set(), set()
     for link in description.links:
-        shapes = []
+        shapes, unreadable = [], set()
         for shape in link.shapes:
             looked_for.add(shape.filename)
-            if len(looked_for) > MOST:
+            if len(looked_for) > MOST or shape.filename in unreadable:
                 shapes.append(shape)
                 continue
             try:
-                shapes.append(_boxed(shape, source, robot.package_dirs))
+                shapes.append(_boxed(shape, urdf, package_dirs))
             except ValueError as error:
                 yield make_finding("mesh-unreadable", link.subject, str(error), line=shape.line, value=shape.filename)
+                unreadable.add(shape.filename)
                 shapes.append(shape)
         if any(one is not other for one, other in zip(shapes, link.shapes, strict=True)):
             changed.add(link.subject)
         links.append(Link(link.line, link.name, link.inertial, tuple(shapes)))
     if not changed:
         return
-    told = {(finding.code, finding.subject) for finding in robot.findings}
+    reported = {(finding.code, finding.subject) for finding in known}
     for finding in plausibility.check_links(replace(description, links=tuple(links))):
-        if finding.subject in changed and (finding.code, finding.subject) not in told:
+        if finding.subject in changed and (finding.code, finding.subject) not in reported:
             yield finding
 
 
-def _boxed(shape: Shape, urdf: Path, package_dirs: tuple[Path, ...]) -> Shape:
-    """Return the box around a mesh; the shape itself where it is no mesh, or is not measured."""
-    if shape.kind != "mesh" or Path(shape.filename).suffix.lower() not in _MEASURED:
+def _boxed(shape: Shape, urdf: Path, package_dirs: Sequence[Path]) -> Shape:
+    """Return the box around a mesh; the shape itself where it is no mesh, is not found, or is too large to measure."""
+    if shape.kind != "mesh":
         return shape
     try:
         path = locate(shape.filename, urdf, package_dirs)
     except MeshError:
         return shape
-    if path.stat().st_size > _LARGEST:
+    status = path.stat()
+    if status.st_size > _LARGEST:
         return shape
-    corners = _corners(path) * np.array(shape.size)
+    with np.errstate(over="ignore"):
+        corners = _corners(path, status.st_mtime_ns) * np.array(shape.size)
+    if not np.abs(corners).max() < LARGEST:
+        raise ValueError(f"'{path.name}' reaches further than {LARGEST:g} m")
     R, p = placement(shape.pose)
     centre = p + R @ corners.mean(axis=0)
     size = np.abs(np.ptp(corners, axis=0))
@@ -71,15 +90,8 @@ def _boxed(shape: Shape, urdf: Path, package_dirs: tuple[Path, ...]) -> Shape:
     return Shape(shape.line, shape.role, pose, "box", tuple(float(length) for length in size))
 
 
-@cache
-def _corners(path: Path) -> Floats:
-    """Return lower and upper corner (2, 3) of the vertices; raises `ValueError` where there are none to read."""
-    import trimesh
-
-    try:
-        bounds = trimesh.load(path, force="mesh", process=False, skip_materials=True).bounds
-    except Exception as error:  # a parser of files from anywhere raises what it meets
-        raise ValueError(f"'{path.name}' cannot be read: {type(error).__name__}") from None
-    if bounds is None or not np.isfinite(bounds).all():
-        raise ValueError(f"'{path.name}' has no vertices that can be read")
-    return np.asarray(bounds, dtype=np.float64)
+@lru_cache(maxsize=MOST)
+def _corners(path: Path, changed: int) -> Floats:
+    """Return lower and upper corner (2, 3), m, of a mesh changed at that time; raise `ValueError` without triangles."""
+    bounds = np.array([part.bounds for part in mesh_file.read_parts(path, colours=False)])
+    return np.array([bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)])

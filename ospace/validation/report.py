@@ -151,7 +151,9 @@ def check(
     """
     points = points_of(robot, points)
     rng = np.random.default_rng(seed)
-    table, extremes, findings = AgreementTable(robot), Extremes(points), [*robot.findings, *of_meshes(robot)]
+    table, extremes, findings = AgreementTable(robot), Extremes(points), list(robot.findings)
+    if robot.description is not None and robot.source is not None:
+        findings += of_meshes(robot.description, robot.source, robot.package_dirs, robot.findings)
     reader = _second_reader(robot, findings)
     placed: list[tuple[float, float]] = []
     rows: list[Agreement] = []

@@ -6,7 +6,7 @@ import base64
 import gzip
 import html
 import struct
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cache
 from pathlib import Path
@@ -42,11 +42,23 @@ class Layer:
 
 @dataclass(frozen=True)
 class Label:
-    """A name that follows a node of the scene, and is shown with its layer."""
+    """A name that follows a node of the scene, and is shown with its layer.
+
+    Attributes
+    ----------
+    text : str
+    path : str
+        The node.
+    layer : str
+        Name of the layer.
+    hint : str
+        Shown to whoever points at the name.
+    """
 
     text: str
     path: str
     layer: str
+    hint: str = ""
 
 
 @dataclass(frozen=True)
@@ -62,6 +74,8 @@ class Content:
     labels : sequence of Label
     notes : sequence of str
         Remarks on the picture for the user.
+    hints : mapping of path to str
+        Shown to whoever points at what stands below a node.
     """
 
     scene: MeshcatScene
@@ -70,7 +84,8 @@ class Content:
     background: str
     layers: Sequence[Layer]
     labels: Sequence[Label]
-    notes: Sequence[str] = field(default_factory=tuple)
+    notes: Sequence[str] = ()
+    hints: Mapping[str, str] = field(default_factory=dict)
 
 
 def render(content: Content, *, live: str = "", template: str = "page.html", **more: Any) -> str:
@@ -81,6 +96,7 @@ def render(content: Content, *, live: str = "", template: str = "page.html", **m
     data = {
         "layers": [asdict(layer) for layer in content.layers],
         "labels": [asdict(label) for label in content.labels],
+        "hints": list(content.hints.items()),
         "live": bool(live),
         "commands": "" if live else _packed(content.scene),
     }

@@ -27,7 +27,6 @@ _COLLISION: Colour = (0.25, 0.9, 0.55, 0.35)
 _INERTIA: Colour = (1.0, 0.72, 0.2, 0.45)
 _WRONG: Colour = (1.0, 0.15, 0.15, 0.7)
 _IN_PLACE_OF_MESH: Colour = (0.62, 0.64, 0.68, 1.0)
-_MESHES = (".stl", ".obj", ".dae", ".ply", ".glb", ".gltf", ".off")
 _THIN = 1e-3  # of the largest semi-axis: how a tensor without extent is drawn
 _ROUNDED = 1e-4  # of the largest moment, as findings have it
 
@@ -82,7 +81,7 @@ def of_robot(scene: MeshcatScene, root: str, robot: SpaceRobot) -> RobotGeometry
             for show in (builder.inertia, builder.box):
                 show(j - 1, model.names[j], _Inertia(own.mass, own.lever, own.inertia))
     else:
-        builder.describes(description, [robot.source, *robot.package_dirs])
+        builder.describes(description, robot.source, robot.package_dirs)
         for frame in model.frames:
             if frame.type == pin.FrameType.BODY and frame.parentJoint > 0:
                 builder.link(description.link[frame.name], frame.parentJoint - 1, frame.placement)
@@ -93,12 +92,31 @@ def of_description(
     scene: MeshcatScene,
     root: str,
     description: Description,
-    folders: Sequence[Path],
+    urdf: Path,
+    package_dirs: Sequence[Path],
     marked: Mapping[str, Colour],
 ) -> RobotGeometry:
-    """Put into the scene what a file describes, sound or not; `folders` has the file and the folders of packages."""
+    """Put into the scene what a file describes, sound or not, with all joints at zero.
+
+    Parameters
+    ----------
+    scene : MeshcatScene
+    root : str
+        Path below which all stands.
+    description : Description
+    urdf : Path
+        The robot's file.
+    package_dirs : sequence of Path
+        Where ``package://`` names of meshes are looked up.
+    marked : mapping of link name to colour
+        Colours in place of the links' own.
+
+    Returns
+    -------
+    RobotGeometry
+    """
     builder = _GeometryBuilder(scene, marked)
-    builder.describes(description, folders)
+    builder.describes(description, urdf, package_dirs)
     bodies, places = link_places(description)
     for body in bodies:
         above = builder.geometry.rest[body.parent] if body.parent >= 0 else np.eye(4)
@@ -120,12 +138,11 @@ class _GeometryBuilder:
     def __init__(self, scene: MeshcatScene, marked: Mapping[str, Colour]) -> None:
         self.scene, self.marked = scene, marked
         self.geometry = RobotGeometry()
-        self.folders: list[Path] = []
         self.bare = False
 
-    def describes(self, description: Description, folders: Sequence[Path]) -> None:
-        """Show links of a file; `folders` has it and the folders of packages."""
-        self.folders = list(folders)
+    def describes(self, description: Description, urdf: Path, package_dirs: Sequence[Path]) -> None:
+        """Show links of a file; meshes are looked up beside it, and in the folders of packages."""
+        self.urdf, self.package_dirs = urdf, package_dirs
         self.bare = not any(link.shapes for link in description.links)
 
     def node(self, path: str, T: Floats) -> None:
@@ -143,7 +160,8 @@ class _GeometryBuilder:
         boxed = False
         for k, shape in enumerate(link.shapes):
             try:
-                parts = list(shape_parts(shape, self._mesh(shape.filename) if shape.kind == "mesh" else None))
+                mesh = locate(shape.filename, self.urdf, self.package_dirs) if shape.kind == "mesh" else None
+                parts = list(shape_parts(shape, mesh))
             except (MeshError, ValueError) as error:
                 code = error.code if isinstance(error, MeshError) else "mesh-unreadable"
                 finding = make_finding(code, link.subject, str(error), line=shape.line, value=shape.filename)
@@ -165,17 +183,6 @@ class _GeometryBuilder:
         place = T.homogeneous @ part.T
         self.scene.set_transform(path, place)
         self.geometry.extents.append((node, box_corners(place, part.half)))
-
-    def _mesh(self, filename: str) -> Path:
-        """Find a mesh where the reader does, and in the package that the file itself lies in."""
-        source, *package_dirs = self.folders
-        scheme, _, inside = filename.partition("://")
-        package = inside.lstrip("/").partition("/")[0] if scheme in ("package", "model") else ""
-        own = [folder for folder in source.resolve().parents if package and folder.name == package]
-        path = locate(filename, source, [*package_dirs, *own])
-        if path.suffix.lower() not in _MESHES:
-            raise MeshError("mesh-unreadable", f"'{filename}' is none of {', '.join(_MESHES)}")
-        return path
 
     def inertia(self, node: int, name: str, inertia: _Inertia) -> None:
         """Show the uniform ellipsoid of the same mass and moments; in red where there is none."""

@@ -25,6 +25,7 @@ from ospace.urdf.lint.findings import Finding
 from ospace.visual import environment, page, resample
 from ospace.visual.animation import ERROR, animation
 from ospace.visual.environment import Background
+from ospace.visual.marked_robot import hints_of
 from ospace.visual.meshcat_scene import MeshcatScene, component
 from ospace.visual.overlays import OVERLAYS, align_axes
 from ospace.visual.page import Label, Layer
@@ -36,6 +37,21 @@ SHOWN = ("robot", "points", "mass-centre")
 _MOST_POINTS = 8  # unless points are given
 _QUANTITY_RATE = 20.0  # Hz, at which quantities are drawn in an animation
 _SAMPLES = 40  # of a motion, for the size of the scene
+
+
+def checked_layers(names: Iterable[str]) -> tuple[str, ...]:
+    """Return names of layers.
+
+    Raises
+    ------
+    OspaceError
+        One of them is none of `LAYERS`.
+    """
+    shown = tuple(names)
+    for name in shown:
+        if name not in LAYERS:
+            raise OspaceError(f"layer '{name}' is unknown{closest(name, LAYERS)}")
+    return shown
 
 
 class RecordedMotion(Protocol):
@@ -73,6 +89,8 @@ class _SceneRobot:
         self.robot = robot
         self.root = f"/robots/{number} {component(robot.name)}"
         self.geometry = of_robot(scene, self.root, robot)
+        description = robot.description if self.geometry.links else None
+        self.hints = {} if description is None else hints_of(description, robot.findings, self.geometry)
 
     def nodes(self, q: Floats) -> Floats:
         """Return position and quaternion of each node (J, 7)."""
@@ -129,10 +147,7 @@ class Scene:
         show: Iterable[str] = SHOWN,
         background: Background = "space",
     ) -> None:
-        shown = tuple(show)
-        for name in shown:
-            if name not in LAYERS:
-                raise OspaceError(f"layer '{name}' is unknown{closest(name, LAYERS)}")
+        shown = checked_layers(show)
         if points is None:
             points = _default_points(robot)
         elif points:
@@ -350,6 +365,7 @@ class Scene:
             layers,
             self._labels,
             [str(finding) for finding in self.findings],
+            {path: hint for drawn in self._robots for path, hint in drawn.hints.items()},
         )
 
     def save_html(self, path: str | PathLike[str]) -> Path:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -13,6 +12,7 @@ import numpy as np
 from meshcat import geometry as g
 
 from ospace.kernels.tree import Floats
+from ospace.urdf import mesh_file
 from ospace.urdf.bodies import placement
 from ospace.urdf.description import Colour, Shape
 
@@ -105,36 +105,14 @@ def _mesh_parts(path: Path, changed: int) -> list[tuple[Floats, Any, Colour]]:
     """Return vertices (N, 3), faces (M, 3) and colour of each part of a mesh that was changed then; m, its own axes."""
     import trimesh
 
-    collada = path.suffix.lower() == ".dae"
-    if collada and importlib.util.find_spec("collada") is None:
-        raise ValueError(f"'{path.name}' needs pycollada to be read: pip install 'ospace[visual]'")
-    try:
-        scene = trimesh.load_scene(path)
-        if scene.units not in (None, "meters", "meter"):
-            scene = scene.convert_units("meters")
-        parts = []
-        for part in scene.dump():
-            if not isinstance(part, trimesh.Trimesh) or not np.isfinite(part.vertices).all():
-                continue
-            colour = _colour(part.visual)
-            part = trimesh.Trimesh(part.vertices, part.faces)  # without textures, which would be cut to pieces too
-            if len(part.faces) <= _MOST_FACES:
-                part = trimesh.graph.smooth_shade(part, angle=_SHARP)
-            parts.append((np.asarray(part.vertices), np.asarray(part.faces), colour))
-    except Exception as error:  # a parser of files from anywhere raises what it meets
-        raise ValueError(f"'{path.name}' cannot be read: {type(error).__name__}: {error}") from None
-    if not parts:
-        raise ValueError(f"'{path.name}' has no triangles that can be read{_broken(path) if collada else ''}")
+    parts = []
+    for part in mesh_file.read_parts(path, colours=True):
+        colour = _colour(part.visual)
+        part = trimesh.Trimesh(part.vertices, part.faces)  # without textures, which would be cut to pieces too
+        if len(part.faces) <= _MOST_FACES:
+            part = trimesh.graph.smooth_shade(part, angle=_SHARP)
+        parts.append((np.asarray(part.vertices), np.asarray(part.faces), colour))
     return parts
-
-
-def _broken(path: Path) -> str:
-    """Return what is wrong with a COLLADA file whose scene came out empty."""
-    from collada import Collada
-    from collada.common import DaeError
-
-    errors = Collada(str(path), ignore=[DaeError]).errors
-    return f": {', '.join(str(getattr(error, 'msg', error)) for error in errors)}" if errors else ""
 
 
 def _colour(visual: Any) -> Colour:

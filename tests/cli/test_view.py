@@ -1,6 +1,7 @@
 """`ospace view` as its users meet it: what it writes, and what it says to mistakes."""
 
 import contextlib
+import html
 import re
 import select
 import signal
@@ -200,6 +201,55 @@ def test_a_missing_mesh_is_reported(view, tmp_path):
     assert status == 0
     assert "nowhere.stl" in err
     assert (tmp_path / "out.html").exists()
+
+
+INERTIA = '<inertia ixx="1" iyy="1" izz="1.5" ixy="0" ixz="0" iyz="0"/>'
+UNSOUND = f"""<robot name="faulty">
+<link name="base"><inertial><mass value="9"/>{INERTIA}</inertial>
+  <visual><geometry><box size="1 1 1"/></geometry></visual></link>
+<link name="arm"><inertial><mass value="-1"/>{INERTIA}</inertial>
+  <visual><geometry><box size="1 .1 .1"/></geometry></visual></link>
+<link name="hand"><inertial><mass value="1"/>{INERTIA}</inertial>
+  <visual><geometry><mesh filename="nowhere.stl"/></geometry></visual></link>
+<link name="finger"/>
+<joint name="shoulder" type="revolute"><parent link="base"/><child link="arm"/><origin xyz="1 0 0"/>
+  <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+<joint name="wrist" type="revolute"><parent link="arm"/><child link="hand"/><origin xyz="1 0 ?"/>
+  <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+<joint name="weld" type="fixed"><parent link="hand"/><child link="finger"/></joint>
+</robot>"""
+
+
+def test_an_unsound_robot_is_drawn_and_its_faults_are_reported(view, tmp_path):
+    (tmp_path / "faulty.urdf").write_text(UNSOUND)
+    status, out, err = view("faulty.urdf", "--html", "out.html")
+    assert status == 1
+    assert out.startswith("wrote out.html")
+    page = (tmp_path / "out.html").read_text(encoding="utf-8")
+    assert "unsound: 3 errors, 1 warning; all joints at zero" in page
+    for text in (
+        "error negative-mass: link 'arm', line 4",
+        "error number-unreadable: joint 'wrist', line 11",
+        "warning mesh-missing: link 'hand', line 7",
+        "link 'hand' and 1 beyond it cannot be placed: the <origin> of joint 'wrist' cannot be read",
+    ):
+        assert f"ospace: {text}" in err
+        assert text in html.unescape(page)
+    assert "cannot be placed: the <origin> of joint 'shoulder'" not in err
+    assert "not used" not in err
+
+
+def test_options_that_an_unsound_robot_has_no_use_for_are_named(view, tmp_path):
+    (tmp_path / "faulty.urdf").write_text(UNSOUND)
+    options = ["--pose", "shoulder=1", "--point", "hand", "--sweep", "--layers", "inertia,momentum"]
+    status, _, err = view("faulty.urdf", *options, "--html", "out.html")
+    assert status == 1
+    assert "warning: not used, as no dynamics can be computed: --point, --pose, --sweep, layer momentum\n" in err
+    boxes = re.findall(r'data-layer="([\w-]+)"( checked)?', (tmp_path / "out.html").read_text(encoding="utf-8"))
+    assert {name for name, checked in boxes if checked} == {"inertia", "names"}
+    status, _, err = view("faulty.urdf", "--layers", "robots", "--html", "other.html")
+    assert (status, (tmp_path / "other.html").exists()) == (2, False)
+    assert "layer 'robots' is unknown" in err
 
 
 def test_an_interrupt_before_anything_is_shown(view, tmp_path, monkeypatch):

@@ -18,7 +18,7 @@ import ospace
 from ospace.cli.main import main
 from ospace.exceptions import printable
 from ospace.urdf.lint.rules import RULES
-from ospace.visual.check_report import COLOURS
+from ospace.visual.marked_robot import COLOURS
 
 INERTIAL = (
     '<inertial><origin xyz="0.1 0 0.2"/><mass value="2"/>'

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import stat
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -14,6 +15,8 @@ from ospace.urdf.lint.rules import Severity
 
 MOST = 1000  # files that are looked for
 _STL_HEADER, _STL_FACET = 84, 50  # bytes
+_MANIFEST = "package.xml"
+_MANIFEST_SIZE = 100_000  # bytes of it that are read
 
 
 class MeshError(OspaceError):
@@ -25,7 +28,15 @@ class MeshError(OspaceError):
 
 
 def locate(filename: str, urdf: Path, package_dirs: Sequence[Path]) -> Path:
-    """Return the file that a <mesh> names, within the folder of the URDF and the folders given.
+    """Return the file that a <mesh> names, within the file's own folder, its package, and the folders given.
+
+    Parameters
+    ----------
+    filename : str
+        A path beside the URDF, or an address of the scheme ``file``, ``package`` or ``model``.
+    urdf : Path
+    package_dirs : sequence of Path
+        Folders of packages, or packages themselves.
 
     Returns
     -------
@@ -39,30 +50,59 @@ def locate(filename: str, urdf: Path, package_dirs: Sequence[Path]) -> Path:
     scheme, _, rest = filename.partition("://") if "://" in filename else ("", "", filename)
     if not rest:
         raise MeshError("mesh-missing", "<mesh> has no filename")
+    packages = _packages_of(urdf)
     if scheme in ("package", "model"):
         rest = rest.lstrip("/")  # a third slash is common, and leads nowhere else
         package, _, inside = rest.partition("/")
         choices = [folder / rest for folder in package_dirs]
         choices += [folder / inside for folder in package_dirs if folder.name == package]
+        choices += [folder / inside for folder in packages if package in (folder.name, _name_in_manifest(folder))]
         if not choices:
+            if os.path.normpath(inside).startswith(".."):
+                raise MeshError("mesh-outside", f"'{filename}' climbs out of its package")
             raise MeshError("mesh-not-looked-up", f"'{filename}' is in a package")
     elif scheme in ("", "file"):
         choices = [urdf.parent / rest]
     else:
         raise MeshError("mesh-remote", f"'{filename}' is an address, which is not fetched")
-    allowed = [os.path.realpath(folder) for folder in (urdf.parent, *package_dirs)]
+    allowed = [os.path.realpath(folder) for folder in (urdf.parent, *packages, *package_dirs)]
     inside_allowed = [
         choice
         for choice in choices
         if any(os.path.commonpath([folder, os.path.realpath(choice)]) == folder for folder in allowed)
     ]
     if not inside_allowed:
-        raise MeshError("mesh-outside", f"'{filename}' lies outside the folders given")
+        raise MeshError("mesh-outside", f"'{filename}' lies outside the file's package and the folders given")
     there = [choice for choice in inside_allowed if os.path.lexists(choice)]
     if not there:
         raise MeshError("mesh-missing", f"'{filename}' is not there")
     _check_whole(there[0], filename)
     return there[0]
+
+
+def _packages_of(urdf: Path) -> tuple[Path, ...]:
+    """Return the packages that a file lies in: that of its name, and where this is a link, that of what it leads to.
+
+    The package is the nearest folder upward with a package.xml, else the folder above the file's own. The user's home,
+    and what holds it, is none: a robot in ~/robots/ does not open what else is there.
+    """
+    home = Path(os.path.realpath(os.path.expanduser("~")))
+    packages = dict[Path, None]()
+    for own in (Path(os.path.realpath(urdf.parent)), Path(os.path.realpath(urdf)).parent):
+        package = next((folder for folder in (own, *own.parents) if (folder / _MANIFEST).is_file()), own.parent)
+        if not home.is_relative_to(package):
+            packages[package] = None
+    return tuple(packages)
+
+
+def _name_in_manifest(package: Path) -> str:
+    """Return the name in a package.xml; its folder may bear another, as that of a branch."""
+    try:
+        with open(package / _MANIFEST, encoding="utf-8", errors="replace") as file:
+            named = re.search(r"<name>\s*([^<\s]+)\s*</name>", file.read(_MANIFEST_SIZE))
+    except OSError:
+        return ""
+    return named[1] if named else ""
 
 
 def check_meshes(description: Description, urdf: Path, package_dirs: Sequence[Path]) -> Iterator[Finding]:

@@ -47,6 +47,7 @@
   const labels = data.labels.map((label) => {
     const tag = document.createElement("span");
     tag.textContent = label.text;
+    tag.title = label.hint;
     byId("labels").append(tag);
     return { ...label, tag };
   });
@@ -64,6 +65,23 @@
       taken.push({ left: x, right: x + tag.offsetWidth, y });
       tag.style.transform = `translate(${x}px, ${y}px)`;
     }
+  }
+
+  // -- hints: what there is to say of the link that the mouse points at
+  const ray = new THREE.Raycaster();
+  let pointer = null;
+  pane.addEventListener("pointermove", ({ offsetX, offsetY, buttons }) => { // not while the view is turned
+    if (data.hints.length && !buttons) pointer = new THREE.Vector2((2 * offsetX) / pane.clientWidth - 1, 1 - (2 * offsetY) / pane.clientHeight);
+  });
+  function placeHint() {
+    if (!pointer) return;
+    const hints = new Map(data.hints.map(([path, text]) => [node(path), text]));
+    const above = (object) => { const way = []; for (let up = object; up; up = up.parent) way.push(up); return way; };
+    ray.setFromCamera(pointer, viewer.camera);
+    const hit = ray.intersectObject(viewer.scene, true).find(({ object }) => object.isMesh && above(object).every((one) => one.visible));
+    const hinted = hit && above(hit.object).find((one) => hints.has(one));
+    pane.title = hinted ? hints.get(hinted) : "";
+    pointer = null;
   }
 
   // -- time
@@ -143,6 +161,7 @@
     }
     before = time;
     placeLabels();
+    placeHint();
     requestAnimationFrame(frame);
   }
   const ready = data.live ? Promise.resolve(connect()) : load();

@@ -73,6 +73,8 @@ variant("mesh outside", mesh("/etc/hostname"), 0, "mesh-outside")
 variant("mesh above", mesh("../../../../../../etc/hostname"), 0, "mesh-outside")
 variant("mesh by a URI of a file", mesh("file:///etc/hostname"), 0, "mesh-outside")
 variant("mesh in a package", mesh("package://arm/arm.stl"), 0, infos=["mesh-not-looked-up"])
+variant("mesh that climbs out of a package", mesh("package://p/../../../../../etc/hostname"), 0, "mesh-outside")
+variant("mesh that turns back within a package", mesh("package://p/a/../arm.stl"), 0, infos=["mesh-not-looked-up"])
 variant(
     "mesh in a package that goes up",
     mesh("package://../../etc/hostname"),

@@ -14,15 +14,17 @@ MESH_FILES = (
     Rule(
         name="mesh-unreadable",
         severity="warning",
-        summary="The file of a mesh is not a regular file, is empty or cut off, or may not be read.",
+        summary="The file of a mesh is not a regular file, is empty or cut off, has no triangles, is of an unknown "
+        "format, or may not be read.",
         reason="Its shape cannot be drawn; dynamics do not need it.",
-        remedy="Write the file again.",
+        remedy="Export the mesh again: as STL, OBJ, DAE, PLY, glTF or OFF.",
         example="an STL of 40 bytes",
     ),
     Rule(
         name="mesh-outside",
         severity="warning",
-        summary="A mesh lies outside the folder of the URDF and the folders given. It is not opened.",
+        summary="A mesh lies outside the package of the URDF and the folders given. It is not opened. The package is "
+        "the nearest folder upward with a package.xml, else the folder above that of the file.",
         reason="A file must not make a program read what it was not given.",
         remedy="Give its folder: --package-dir DIR.",
         example='<mesh filename="../../../etc/passwd"/>',
@@ -46,8 +48,8 @@ MESH_FILES = (
     Rule(
         name="mesh-not-looked-up",
         severity="info",
-        summary="Meshes are named by package://, and no folder was given to look them up in; or there are more than "
-        "1000 of them.",
+        summary="Meshes are named by package://, the file lies in no package of that name, and no folder was given to "
+        "look them up in; or there are more than 1000 of them.",
         reason="Whether they exist is not known; dynamics do not need them.",
         remedy="Give the folder that holds the packages: --package-dir DIR.",
         example='<mesh filename="package://arm_description/meshes/arm.stl"/>',
