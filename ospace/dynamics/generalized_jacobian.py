@@ -34,6 +34,25 @@ class GeneralizedJacobian:
     base_momentum_velocity: Floats
 
 
+def base_generalized_jacobian(state: State) -> Floats:
+    """Compute J_b* = −H_b⁻¹ H_bm (3), (6, n): how the base follows the joints of a robot without momentum.
+
+    Returns
+    -------
+    (6, n) array
+        Of ẋ_b; inertial axes, at the base-link frame's origin.
+
+    Raises
+    ------
+    OspaceError
+        A result is not finite.
+    """
+    run = workspace.of(state)
+    run.evaluate(kernel.FLOATING_BASE)
+    J_b_star: Floats = run.table("J_b_star")[1:].T.copy()
+    return J_b_star
+
+
 def generalized_jacobian(state: State, points: OperationalPoint | Sequence[OperationalPoint]) -> GeneralizedJacobian:
     """Compute J_b* (27), (28), J_m* (29)–(31) and the velocities that momentum leaves (26).
 

@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
-from ospace.dynamics.generalized_jacobian import generalized_jacobian
+from ospace.dynamics.generalized_jacobian import base_generalized_jacobian
 from ospace.exceptions import OspaceError
 from ospace.kernels.minimum_jerk import minimum_jerk
 from ospace.kernels.tree import Floats
@@ -85,13 +85,12 @@ def zero_momentum_motion(
     model, data = robot.model, robot.model.createData()
     bent = start.q.copy()
     bent[:7] = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0
-    point = robot.point(robot.frame_names[0])
 
     def twist(time: float) -> tuple[Floats, Floats]:
         """Return configuration with the base at the origin, and velocity."""
         moved, rates = joints(time)
         q_B = np.asarray(pin.integrate(model, bent, np.r_[np.zeros(6), moved]))
-        J_b_star = generalized_jacobian(robot.state(q_B), point).base_generalized_jacobian
+        J_b_star = base_generalized_jacobian(robot.state(q_B))
         return q_B, np.r_[J_b_star @ rates, rates]
 
     steps = max(1, math.ceil(duration / _STEP - 1e-6))

@@ -1,0 +1,42 @@
+"""What the literature derives of the dynamics of a floating arm: rates, null spaces, maps of reaction, base motion."""
+
+from ospace.analysis.base_motion import base_motion, base_turn
+from ospace.analysis.measures import (
+    DisturbanceMap,
+    ImpulseMap,
+    coupling_factor,
+    disturbance_map,
+    dynamic_manipulability,
+    impulse_map,
+    wheel_momentum,
+)
+from ospace.analysis.null_spaces import (
+    NullSpace,
+    coupling_null_space,
+    fixed_attitude_jacobian,
+    reaction_null_space,
+)
+from ospace.analysis.rates import (
+    generalized_jacobian_derivative,
+    generalized_jacobian_rate,
+    inertia_inverse_derivative,
+)
+
+__all__ = [
+    "DisturbanceMap",
+    "ImpulseMap",
+    "NullSpace",
+    "base_motion",
+    "base_turn",
+    "coupling_factor",
+    "coupling_null_space",
+    "disturbance_map",
+    "dynamic_manipulability",
+    "fixed_attitude_jacobian",
+    "generalized_jacobian_derivative",
+    "generalized_jacobian_rate",
+    "impulse_map",
+    "inertia_inverse_derivative",
+    "reaction_null_space",
+    "wheel_momentum",
+]
