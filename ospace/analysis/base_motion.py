@@ -132,7 +132,7 @@ def _step(way: _Way, k: int, begin: float, share: float, h: float, R: Floats) ->
 
 
 class _Way:
-    """Joints along the path, and the base's angular velocity there, base axes; in base axes all of it but R is known."""
+    """Joints along the path, and what they and the momentum do to the base there, in base axes."""
 
     def __init__(self, robot: SpaceRobot, rows: Floats, times: Floats, momentum: Floats) -> None:
         self.robot, self.times, self.momentum = robot, times, momentum
@@ -140,7 +140,7 @@ class _Way:
         self.q = np.array([robot.state(np.r_[base, row]).q for row in rows])
         self._data = robot.model.createData()
         ways = [pin.difference(robot.model, a, b)[6:] for a, b in zip(self.q[:-1], self.q[1:], strict=True)]
-        self._ways = np.array(ways).reshape(-1, robot.n_joints)
+        self._ways = np.array(ways).reshape(len(rows) - 1, robot.n_joints)
         self._slopes = _slopes(self._ways)
         self._known: dict[tuple[int, float], tuple[Floats, Floats, Floats]] = {}
 
@@ -155,7 +155,7 @@ class _Way:
         if self.momentum.any():
             P, L = R.T @ self.momentum[:3], R.T @ self.momentum[3:]
             omega = omega + np.linalg.solve(H_b, np.r_[P, L + np.cross(centre, P)])[3:]
-        return omega
+        return np.asarray(omega)
 
     def _at(self, k: int, part: float) -> tuple[Floats, Floats, Floats]:
         """Return what joints do to ω_B over the whole interval at their rate here, H_b, and the mass centre."""

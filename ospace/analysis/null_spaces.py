@@ -4,9 +4,9 @@ The base follows the joints by ẋ_b = J_b* φ̇ where M_0 = 0 (2). Rates in the
 components of the base's velocity at zero (reaction null space of all that is solved for the base).
 
 H_bm φ̇ is the momentum that the joints have beside the base. Rates in the null space of rows of H_bm pass no such
-momentum. As J_b* = −H_b⁻¹ H_bm (27), both are the same for all six rows. For some of them they are not: H_b mixes linear
-and angular momentum, so a base without angular H_bm φ̇ turns all the same where the linear part pushes it off its mass
-centre.
+momentum. As J_b* = −H_b⁻¹ H_bm (27), both are the same for all six rows. For some of them they are not: H_b mixes
+linear and angular momentum, so a base without angular H_bm φ̇ turns all the same where the linear part pushes it off
+its mass centre.
 """
 
 from __future__ import annotations

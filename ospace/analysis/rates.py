@@ -23,8 +23,8 @@ import numpy.typing as npt
 
 from ospace.checks import all_finite, check_kind, checked_vector
 from ospace.dynamics import workspace
-from ospace.kernels import evaluation as kernel
 from ospace.exceptions import OspaceError
+from ospace.kernels import evaluation as kernel
 from ospace.kernels.tree import COLUMNS, UNKNOWN, Floats, Ints
 from ospace.model.points import OperationalPoint, points_of, rows_of
 from ospace.model.state import State
@@ -122,7 +122,7 @@ def _shift(d: Floats) -> Floats:
 
 def _carried(motions: Floats, d: Floats) -> Floats:
     """Return motions (N, 6) at points `d` (N, 3) away."""
-    return np.einsum("nij,nj->ni", _shift(d), motions)
+    return np.asarray(np.einsum("nij,nj->ni", _shift(d), motions))
 
 
 def _cross(V: Floats) -> Floats:
