@@ -18,8 +18,9 @@ _WIDTH = 80
 _PIPE_WIDTH = 200
 _NAME = 42  # characters of a part's source in the table
 _USAGE = """ospace compose BUS ARM [--at X,Y,Z] [--rpy R,P,Y] [--on LINK]
-                      [--prefix WORD] [--remove LINK]... [ARM ...]
-                      [--payload LINK BODY]... [--package-dir DIR]... --out FILE"""
+                      [--prefix WORD] [--remove LINK]... [NAME:=VALUE]...
+                      [ARM ...] [--payload LINK BODY]...
+                      [--package-dir DIR]... --out FILE"""
 _ONCE = ("at", "rpy", "on", "prefix")
 _VALUES = {
     "--payload": 2,
@@ -30,6 +31,8 @@ _VALUES = {
 
 def add_to(verbs: Any) -> None:
     """Describe the verb to argparse."""
+    from ospace.cli.main import takes_xacro
+
     verb = verbs.add_parser(
         "compose",
         help="put arms and payloads on a bus, as one URDF",
@@ -37,11 +40,12 @@ def add_to(verbs: Any) -> None:
         allow_abbrev=False,
         formatter_class=argparse.RawDescriptionHelpFormatter,
         description=textwrap.fill(
-            "Put arms on a bus and write the robot as one URDF. BUS and each ARM is a URDF, the name of a robot that "
-            "comes with ospace, box:1x1x0.8m,250kg, cylinder:RADIUSxLENGTHm,MASSkg, sphere:RADIUSm,MASSkg, or a mesh "
-            "with its mass or density: bus.stl,250kg or bus.stl,120kg/m3 (bus.stl,250kg,mm where it is drawn in "
-            "millimetres). --at, --rpy, --on, --prefix and --remove belong to the ARM that they follow. Of several "
-            "ARMs in a row each takes one of every option that follows, in the same order.",
+            "Put arms on a bus and write the robot as one URDF. BUS and each ARM is a URDF, a xacro, the name of a "
+            "robot that comes with ospace, box:1x1x0.8m,250kg, cylinder:RADIUSxLENGTHm,MASSkg, sphere:RADIUSm,MASSkg, "
+            "or a mesh with its mass or density: bus.stl,250kg or bus.stl,120kg/m3 (bus.stl,250kg,mm where it is drawn "
+            "in millimetres). --at, --rpy, --on, --prefix and --remove belong to the ARM that they follow, as the "
+            "NAME:=VALUE of a xacro does. Of several ARMs in a row each takes one of every option that follows, in the "
+            "same order.",
             _WIDTH,
         )
         + "\n\n"
@@ -83,9 +87,7 @@ def add_to(verbs: Any) -> None:
         "mass), box:0.3x0.2x0.2m,5kg, or a mesh; repeatable",
     )
     verb.add_argument("--out", metavar="FILE", type=output.file, required=True, help="the URDF to write")
-    verb.add_argument(
-        "--package-dir", metavar="DIR", action="append", default=[], help="where package:// names are looked up"
-    )
+    takes_xacro(verb)
     verb.set_defaults(run=run, refuse_usage=verb.error, words=[])
     # argparse forgets in which order positional arguments and options came, and takes -0.5,0,0 for an option.
     known = verb.parse_known_args
@@ -156,43 +158,60 @@ def _parts(given: argparse.Namespace) -> list[Part]:
     from ospace.urdf.composition.simple_body import is_simple_body
 
     parts = []
-    for sources, options in _rows(given):
-        for k, text in enumerate(sources):
-            own = {key: options[key][k] for key in _ONCE if options[key]}
+    for row in _rows(given):
+        for k, (text, xacro_args) in enumerate(zip(row.sources, row.xacro_args, strict=True)):
+            own = {key: row.options[key][k] for key in _ONCE if row.options[key]}
             source = text if is_simple_body(text) else find(text)
-            parts.append(Part(source, **own, remove=tuple(options["remove"])))
+            parts.append(Part(source, **own, remove=tuple(row.options["remove"]), xacro_args=xacro_args))
     if not parts:
         given.refuse_usage("give a BUS: a URDF, or a body as box:1x1x0.8m,250kg")
     return parts
 
 
-def _rows(given: argparse.Namespace) -> Iterator[tuple[list[str], dict[str, list[Any]]]]:
-    """Return the bus, and each row of arms, with the options that follow."""
-    rows: list[tuple[list[str], dict[str, list[Any]]]] = []
+class _Row:
+    """The bus, or arms in a row, each with arguments of its xacro; and the options that follow them."""
+
+    def __init__(self) -> None:
+        self.sources: list[str] = []
+        self.xacro_args: list[dict[str, str]] = []
+        self.options: dict[str, list[Any]] = {option: [] for option in (*_ONCE, "remove")}
+
+
+def _rows(given: argparse.Namespace) -> list[_Row]:
+    """Sort parts and options into rows, and refuse what fits none."""
+    from ospace.cli.main import XACRO_VALUE
+
+    rows: list[_Row] = []
     for key, value in given.words:
-        if key != "part":
-            if not rows:
-                given.refuse_usage(f"--{key} stands before BUS: write it behind the part that it belongs to")
-            rows[-1][1][key].append(value)
-        elif len(rows) < 2 or any(rows[-1][1].values()):
-            rows.append(([value], {option: [] for option in (*_ONCE, "remove")}))
+        argument = XACRO_VALUE.fullmatch(value) if key == "part" else None
+        if not rows and (argument or key != "part"):
+            given.refuse_usage(f"{value if argument else f'--{key}'} stands before BUS: write it behind its part")
+        if argument:
+            rows[-1].xacro_args[-1][argument[1]] = argument[2]
+        elif key == "part":
+            if len(rows) < 2 or any(rows[-1].options.values()):
+                rows.append(_Row())
+            rows[-1].sources.append(value)
+            rows[-1].xacro_args.append({})
         else:
-            rows[-1][0].append(value)
-    for k, (sources, options) in enumerate(rows):
-        named = ", ".join(sources)
-        for option in _ONCE:
-            count = len(options[option])
-            if k == 0 and count:
-                given.refuse_usage(f"--{option} follows BUS, which stands on nothing: write it behind an ARM")
-            if count not in (0, len(sources)):
-                times, arms = ("once", "ARM") if count == 1 else (f"{count} times", "ARMs")
-                arms = "1 ARM" if len(sources) == 1 else f"{len(sources)} ARMs"
-                given.refuse_usage(f"--{option} is given {times} for {arms} ({named}): give one for each, behind it")
-        if options["remove"] and len(sources) > 1:
-            given.refuse_usage(
-                f"--remove follows {len(sources)} ARMs ({named}): write it right behind the one it is for"
-            )
-    return iter(rows)
+            rows[-1].options[key].append(value)
+    for row in rows:
+        _check_row(given, row, is_bus=row is rows[0])
+    return rows
+
+
+def _check_row(given: argparse.Namespace, row: _Row, *, is_bus: bool) -> None:
+    count, named = len(row.sources), ", ".join(row.sources)
+    arms = "1 ARM" if count == 1 else f"{count} ARMs"
+    for option in _ONCE:
+        times = len(row.options[option])
+        if is_bus and times:
+            given.refuse_usage(f"--{option} follows BUS, which stands on nothing: write it behind an ARM")
+        if times not in (0, count):
+            often = "once" if times == 1 else f"{times} times"
+            given.refuse_usage(f"--{option} is given {often} for {arms} ({named}): give one for each, behind it")
+    if row.options["remove"] and count > 1:
+        given.refuse_usage(f"--remove follows {arms} ({named}): write it right behind the one it is for")
 
 
 # -- what people read --------------------------------------------------------------------------------------------

@@ -19,7 +19,7 @@ from ospace.cli import output
 
 EXIT_FINDINGS, EXIT_USAGE, EXIT_INTERRUPTED = 1, 2, 130
 _VERBS = ("check", "compose", "view", "run", "plot", "bench", "list")
-_XACRO_VALUE = re.compile(r"([A-Za-z_]\w*):=(.*)", re.DOTALL)
+XACRO_VALUE = re.compile(r"([A-Za-z_]\w*):=(.*)", re.DOTALL)
 # The matrices here are small: threads of the linear algebra would wait for each other longer than they work.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -70,9 +70,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _parsed(arguments: list[str]) -> argparse.Namespace:
     """Parse; arguments of a xacro, NAME:=VALUE, may stand anywhere, as for xacro itself."""
-    values = {match[1]: match[2] for match in map(_XACRO_VALUE.fullmatch, arguments) if match}
+    values = {match[1]: match[2] for match in map(XACRO_VALUE.fullmatch, arguments) if match}
     top = parser()
-    given = top.parse_args([argument for argument in arguments if not _XACRO_VALUE.fullmatch(argument)])
+    if arguments[:1] == ["compose"]:  # where they belong to the part before them
+        return top.parse_args(arguments)
+    given = top.parse_args([argument for argument in arguments if not XACRO_VALUE.fullmatch(argument)])
     if values and "xacro_args" not in given:
         name, value = next(iter(values.items()))
         top.error(f"{name}:={value} is an argument of a xacro, which ospace {given.verb} does not read")

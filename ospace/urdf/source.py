@@ -106,13 +106,14 @@ def read_file(path: Path, limits: Limits) -> bytes:
         raise UrdfError(path, f"cannot be read: {error}", "unreadable-file") from None
 
 
-def parse(path: Path, content: bytes, limits: Limits) -> etree._Element:
+def parse(path: Path, content: bytes, limits: Limits, *, comments: bool = False) -> etree._Element:
     """Parse the content; no entity is expanded, and nothing else is opened.
 
     Returns
     -------
     etree._Element
-        The root, without comments; each element knows the line in which its tag starts.
+        The root, with comments and processing instructions where `comments` asks for them; each element knows the line
+        in which its tag starts.
 
     Raises
     ------
@@ -127,8 +128,8 @@ def parse(path: Path, content: bytes, limits: Limits) -> etree._Element:
         no_network=True,
         load_dtd=False,
         huge_tree=limits.depth > _DEEPEST or limits.text > _LONGEST,  # past what libxml2 allows otherwise
-        remove_comments=True,
-        remove_pis=True,
+        remove_comments=not comments,
+        remove_pis=not comments,
         recover=True,  # from prefixes that are not declared, and nothing else
     )
     try:

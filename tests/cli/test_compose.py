@@ -129,6 +129,7 @@ def test_angles_in_radians_or_degrees(here, capsys, text, angles):
     [
         ([], "give a BUS"),
         (["--at", "1,0,0", BUS, "a.urdf"], "--at stands before BUS"),
+        (["x:=1", BUS, "a.urdf"], "x:=1 stands before BUS"),
         ([BUS, "--prefix", "x_", "a.urdf"], "--prefix follows BUS, which stands on nothing"),
         (
             [BUS, "a.urdf", "b.urdf", "--prefix", "x_"],
@@ -202,6 +203,45 @@ def test_an_error_is_on_its_part_and_makes_status_1(here, capsys):
     assert "Findings on a_" not in text
     assert text.endswith("wrote out.urdf: 1 error, 0 warnings\n")
     assert main(["check", "out.urdf"]) == 1
+
+
+XACRO = """<robot name="x" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="mass" default="1"/>
+<xacro:arg name="tip" default="tip"/><!-- kept --><link name="base"><inertial><mass value="$(arg mass)"/>
+<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link><link name="$(arg tip)"/>
+<joint name="j" type="fixed"><parent link="base"/><child link="$(arg tip)"/></joint></robot>"""
+
+
+def test_arguments_of_a_xacro_belong_to_the_part_that_they_follow(here, capsys):
+    (here / "x.urdf.xacro").write_text(XACRO)
+    words = (
+        "x.urdf.xacro",
+        "mass:=7",
+        "x.urdf.xacro",
+        "x.urdf.xacro",
+        "mass:=2",
+        "tip:=top",
+        "--prefix",
+        "a_",
+        "--prefix",
+        "b_",
+    )
+    _, root = composed(capsys, *words)
+    assert root.xpath("//mass/@value") == ["7", "1", "2"]
+    assert root.xpath("link/@name") == ["base", "tip", "a_base", "a_tip", "b_base", "b_top"]
+    assert "<!-- kept -->" in (here / "out.urdf").read_text()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("x.urdf.xacro", "mass:=${"), "x.urdf.xacro: "),
+        (("a.urdf", "mass:=2"), "a.urdf: is not a xacro and takes no argument 'mass'"),
+    ],
+)
+def test_a_xacro_that_cannot_be_expanded_is_named(here, capsys, words, said):
+    (here / "x.urdf.xacro").write_text(XACRO)
+    assert main(["compose", *words, "--out", "out.urdf"]) == 2
+    assert said in capsys.readouterr().err
 
 
 def test_robots_that_come_with_ospace_are_parts_by_their_names(here, capsys):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 import re
 from bisect import bisect
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
@@ -24,13 +24,13 @@ from ospace.urdf.composition.names import Look, add_prefix, declared, rename_mat
 from ospace.urdf.composition.simple_body import is_simple_body, mesh_file, simple_body
 from ospace.urdf.composition.tree import WORLD, Links, drop_world, mount, move_meshes, remove_branch
 from ospace.urdf.description import ZERO, Description, Triple
-from ospace.urdf.lint.findings import Finding
-from ospace.urdf.lint.foreign import foreign_joints
+from ospace.urdf.errors import UrdfError
+from ospace.urdf.lint.findings import Finding, by_severity
 from ospace.urdf.parse import has_quaternions, parse
 from ospace.urdf.source import Limits
 from ospace.urdf.tree import span
 
-_SUBJECT = re.compile(r"(link|joint) '(.*?)'(?: with \d+ fixed to it)?", re.DOTALL)
+_SUBJECT = re.compile(r"(link|joint|part) '(.*?)'(?: with \d+ fixed to it)?", re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -40,8 +40,8 @@ class Part:
     Attributes
     ----------
     source : path-like
-        A URDF, or a body in a few words: ``box:1x1x0.8m,250kg``, ``cylinder:``, ``sphere:``, ``body:``, or a mesh with
-        its mass or density, ``bus.stl,250kg``.
+        A URDF or xacro, or a body in a few words: ``box:1x1x0.8m,250kg``, ``cylinder:``, ``sphere:``, ``body:``, or a
+        mesh with its mass or density, ``bus.stl,250kg``.
     at, rpy : (3,)
         Placement of its root's frame in that of the link `on`. m; roll, pitch, yaw about fixed axes, rad.
     on : str, optional
@@ -53,6 +53,8 @@ class Part:
         left, the link is a stand: it goes, with what is fixed to it, and the arm on it stays.
     name : str
         Link of a body in a few words; ``bus`` for the first part, ``body`` for others without it.
+    xacro_args : mapping of str to str
+        Values of the <xacro:arg> of a xacro.
     """
 
     source: str | os.PathLike[str]
@@ -62,6 +64,7 @@ class Part:
     prefix: str = ""
     remove: tuple[str, ...] = ()
     name: str = ""
+    xacro_args: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not isinstance(self.source, str | os.PathLike) or not os.fspath(self.source):
@@ -151,7 +154,8 @@ class Composition:
         Its URDF.
     parts : tuple of PlacedPart
     findings : tuple of Finding
-        Of the whole, as `ospace check` has them; with an error among them no robot is made of the file.
+        Of the whole, as `ospace check` has them, and what xacro warned of; with an error among them no robot is made
+        of the file.
     total_mass : float
         kg.
     mass_centre : (3,)
@@ -175,6 +179,8 @@ class Composition:
         PlacedPart or None
         """
         match = _SUBJECT.match(finding.subject)
+        if match and match[1] == "part":
+            return next((part for part in self.parts if part.label == match[2]), None)
         if match:
             key = "links" if match[1] == "link" else "joints"
             return next((part for part in self.parts if match[2] in getattr(part, key)), None)
@@ -199,7 +205,8 @@ class _Loaded(NamedTuple):
     root: etree._Element
     description: Description
     folder: Path
-    note: str
+    note: str = ""
+    warnings: tuple[Finding, ...] = ()
 
 
 def compose(
@@ -227,7 +234,7 @@ def compose(
     out : path-like, optional
         Where to write it; nothing is written without it. A file that is there is replaced.
     package_dirs : sequence of path-like
-        Folders in which ``package://`` names of meshes are looked up.
+        Folders in which ``package://`` names of meshes are looked up, and ``$(find package)`` of a xacro.
     limits : ospace.Limits, optional
         How large each part, and the robot, may be.
 
@@ -264,7 +271,8 @@ def compose(
                 file.write_bytes(content)
         except OSError as error:
             raise OspaceError(printable(f"{os.fspath(out)}: cannot be written: {error.strerror}")) from None
-    return Composition(content, tuple(robot.parts), reading.findings, mass, centre, reading.description.root)
+    findings = by_severity([*reading.findings, *robot.warnings])
+    return Composition(content, tuple(robot.parts), findings, mass, centre, reading.description.root)
 
 
 def _payloads(payloads: Iterable[tuple[str, str]]) -> Iterator[Part]:
@@ -287,6 +295,7 @@ class _Robot:
 
     def __init__(self, out: Path, package_dirs: Sequence[Path], limits: Limits) -> None:
         self.folder, self.package_dirs, self.limits = out.parent, package_dirs, limits
+        self.warnings: list[Finding] = []
         self.roots: list[etree._Element] = []
         self.parts: list[PlacedPart] = []
         self.declared: dict[tuple[str, str], Part] = {}
@@ -296,7 +305,7 @@ class _Robot:
     def add(self, part: Part) -> None:
         """Cut a part to what stays of it, give it its names, and mount it."""
         is_base = not self.parts
-        loaded = _load(part, is_base, self.package_dirs, self.limits)
+        loaded = _body(part, "bus" if is_base else "body", self.limits) or _file(part, self.package_dirs, self.limits)
         root, tree = loaded.root, Links(loaded.root)
         try:
             removed = [name for branch in part.remove for name in remove_branch(tree, branch)]
@@ -326,6 +335,7 @@ class _Robot:
         placed = PlacedPart(part, loaded.description.name, on, *names, moving, mass, tuple(removed), loaded.note)
         self.roots.append(root)
         self.parts.append(placed)
+        self.warnings += [replace(one, subject=f"part '{placed.label}'") for one in loaded.warnings]
 
     def _mount_link(self, part: Part) -> str:
         known = [name for placed in self.parts for name in placed.links]
@@ -384,22 +394,30 @@ def _outside(root: etree._Element, *, preceding: bool) -> Sequence[etree._Elemen
     return comments[::-1] if preceding else comments
 
 
-def _load(part: Part, is_base: bool, package_dirs: Sequence[Path], limits: Limits) -> _Loaded:
+def _body(part: Part, name: str, limits: Limits) -> _Loaded | None:
+    """Make a body of a few words; None where they are none."""
     text = os.fspath(part.source)
-    if is_simple_body(text):
-        body = simple_body(text, part.name or ("bus" if is_base else "body"))
-        path, content, folder, note = Path(text), body.urdf, Path(), body.note
-    else:
-        path, note = Path(text), ""
-        content, folder = xacro.read(path, package_dirs=package_dirs, limits=limits).content, path.parent
-    content = encoding.decode(path, content).content
-    root = source.parse(path, content, limits)
+    if not is_simple_body(text):
+        return None
+    body = simple_body(text, part.name or name)
+    return _Loaded(*_parsed(Path(text), body.urdf, limits), Path(), body.note)
+
+
+def _file(part: Part, package_dirs: Sequence[Path], limits: Limits) -> _Loaded:
+    path = Path(part.source)
+    text = xacro.read(path, package_dirs=package_dirs, arguments=part.xacro_args, limits=limits)
+    try:
+        return _Loaded(*_parsed(path, text.content, limits), path.parent, warnings=tuple(text.findings()))
+    except UrdfError as error:
+        raise text.locate_error(path, error) from None
+
+
+def _parsed(path: Path, content: bytes, limits: Limits) -> tuple[etree._Element, Description]:
+    root = source.parse(path, encoding.decode(path, content).content, limits, comments=True)
     source.check_format(path, root)
     structure.check_size(path, root, limits)
     description, _ = parse(root, path.stem)
-    description = span(path, description, foreign=foreign_joints(root)).description
-    parser = etree.XMLParser(encoding="utf-8", resolve_entities=False, no_network=True, load_dtd=False)
-    return _Loaded(etree.fromstring(content, parser), description, folder, note)
+    return root, structure.order_joints(path, description, limits)
 
 
 def _unite_versions(roots: Sequence[etree._Element], parts: Sequence[Part]) -> None:

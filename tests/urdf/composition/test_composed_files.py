@@ -119,3 +119,36 @@ def test_limits_hold_for_each_part_and_for_the_whole(arm):
     with pytest.raises(UrdfError, match=r"composed.urdf: .*--max-links"):
         compose(BUS, arm, limits=ospace.Limits(links=2))
     compose(BUS, arm, limits=ospace.Limits(links=3))
+
+
+def test_a_xacro_is_a_part_with_its_arguments_and_what_xacro_warned_of(tmp_path):
+    xacro = tmp_path / "arm.urdf.xacro"
+    head = '<robot name="x" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="mass" default="1"/>'
+    twice = '<xacro:macro name="m"><a/></xacro:macro>' * 2
+    base = '<link name="base"><!-- kept --><inertial><mass value="$(arg mass)"/>'
+    tensor = '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>'
+    xacro.write_text(f"{head}{twice}{base}{tensor}</robot>")
+    composed = compose(BUS, Part(xacro, prefix="x_", xacro_args={"mass": "7"}))
+    assert composed.parts[1].mass == 7.0
+    assert b"<!-- kept -->" in composed.content
+    warnings = [finding for finding in composed.findings if finding.code == "xacro-warning"]
+    assert [composed.part_of(finding) for finding in warnings] == [composed.parts[1]]
+    xacro.write_text(f"{head}<xacro:none/></robot>")
+    with pytest.raises(UrdfError, match=r"arm.urdf.xacro: line 1"):
+        compose(BUS, xacro)
+
+
+@pytest.mark.parametrize("content", ["\n" + ARM, ARM.replace("<robot", '<robot xmlns="urn:x"')])
+def test_files_as_they_come_are_parts(tmp_path, content):
+    (tmp_path / "odd.urdf").write_text(content)
+    composed = compose(BUS, Part(tmp_path / "odd.urdf", prefix="o_"))
+    assert composed.parts[1].links == ("o_base", "o_arm")
+    assert not [finding for finding in composed.findings if finding.severity == "error"]
+
+
+def test_a_part_in_another_encoding_is_written_in_utf_8(tmp_path):
+    declared = ARM.replace('version="1.0"', 'version="1.0" encoding="ISO-8859-1"').replace('"arm"', '"ärm"')
+    (tmp_path / "latin.urdf").write_bytes(declared.encode("latin-1"))
+    composed = compose(BUS, Part(tmp_path / "latin.urdf", prefix="ö_"))
+    assert composed.parts[1].links == ("ö_base", "ö_ärm")
+    assert 'name="ö_ärm"' in composed.content.decode("utf-8")
