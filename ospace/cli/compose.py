@@ -31,8 +31,6 @@ _VALUES = {
 
 def add_to(verbs: Any) -> None:
     """Describe the verb to argparse."""
-    from ospace.cli.main import takes_xacro
-
     verb = verbs.add_parser(
         "compose",
         help="put arms and payloads on a bus, as one URDF",
@@ -87,7 +85,13 @@ def add_to(verbs: Any) -> None:
         "mass), box:0.3x0.2x0.2m,5kg, or a mesh; repeatable",
     )
     verb.add_argument("--out", metavar="FILE", type=output.file, required=True, help="the URDF to write")
-    takes_xacro(verb)
+    verb.add_argument(
+        "--package-dir",
+        metavar="DIR",
+        action="append",
+        default=[],
+        help="where package:// names of meshes and $(find PACKAGE) of a xacro are looked up; repeatable",
+    )
     verb.set_defaults(run=run, refuse_usage=verb.error, words=[])
     # argparse forgets in which order positional arguments and options came, and takes -0.5,0,0 for an option.
     known = verb.parse_known_args

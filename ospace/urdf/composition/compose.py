@@ -23,9 +23,10 @@ from ospace.urdf.bodies import Body, bodies_of
 from ospace.urdf.composition.names import Look, add_prefix, declared, rename_materials
 from ospace.urdf.composition.simple_body import is_simple_body, mesh_file, simple_body
 from ospace.urdf.composition.tree import WORLD, Links, drop_world, mount, move_meshes, remove_branch
-from ospace.urdf.description import ZERO, Description, Triple
+from ospace.urdf.description import ZERO, Description, Pose, Triple
 from ospace.urdf.errors import UrdfError
 from ospace.urdf.lint.findings import Finding, by_severity
+from ospace.urdf.lint.foreign import foreign_joints
 from ospace.urdf.parse import has_quaternions, parse
 from ospace.urdf.source import Limits
 from ospace.urdf.tree import span
@@ -200,10 +201,11 @@ class Composition:
 
 
 class _Loaded(NamedTuple):
-    """A part's tree with comments, what it says, where its meshes are relative to, and what is to know of it."""
+    """A part's file with comments, what it says, the tree of its links, the folder of its meshes, and a note."""
 
     root: etree._Element
     description: Description
+    tree: Description
     folder: Path
     note: str = ""
     warnings: tuple[Finding, ...] = ()
@@ -306,12 +308,39 @@ class _Robot:
         """Cut a part to what stays of it, give it its names, and mount it."""
         is_base = not self.parts
         loaded = _body(part, "bus" if is_base else "body", self.limits) or _file(part, self.package_dirs, self.limits)
-        root, tree = loaded.root, Links(loaded.root)
+        root, tree = loaded.root, Links(loaded.root, loaded.tree)
+        removed, leaving = self._cut(part, loaded, tree, is_base=is_base)
+        mass = sum(link.inertial.mass for link in loaded.description.links if link.inertial and link.name in tree.links)
+        move_meshes(root, loaded.folder, self.folder)
+        if part.prefix:
+            add_prefix(root, part.prefix)
+        rename_materials(root, part.prefix, self.materials)
+        on = "" if is_base else self._mount_link(part)
+        if not is_base:
+            mount(root, part.prefix + tree.base, leaving, on, part.at, part.rpy)
+        self._declare(part, root)
+        links, joints = (tuple(str(one.get("name")) for one in root.iterchildren(tag)) for tag in ("link", "joint"))
+        moving = sum(joint.get("type") != "fixed" for joint in tree.joints.values())
+        placed = PlacedPart(part, loaded.description.name, on, links, joints, moving, mass, tuple(removed), loaded.note)
+        self.roots.append(root)
+        self.parts.append(placed)
+        self.warnings += [replace(one, subject=f"part '{placed.label}'") for one in loaded.warnings]
+
+    def _cut(
+        self, part: Part, loaded: _Loaded, tree: Links, *, is_base: bool
+    ) -> tuple[list[str], list[tuple[etree._Element, Pose]] | None]:
+        """Take out what is to be removed, and the world; return names of links, and joints that left the world."""
         try:
             removed = [name for branch in part.remove for name in remove_branch(tree, branch)]
         except OspaceError as error:
             raise OspaceError(printable(f"{os.fspath(part.source)}: {error}")) from None
-        floating = structure.with_floating_base(loaded.description)[0]
+        left = replace(
+            loaded.tree,
+            links=tuple(link for link in loaded.tree.links if link.name in tree.links),
+            joints=tuple(joint for joint in loaded.tree.joints if joint.name in tree.joints),
+        )
+        structure.check_base(Path(part.source), left)
+        floating = structure.with_floating_base(left)[0]
         ground = [name for name in tree.links if name not in floating.link]
         if ground and not is_base:  # what the part floats in; here it is fixed
             tree.take_out(set(ground))
@@ -320,22 +349,7 @@ class _Robot:
         removed += [] if leaving is None else [WORLD]
         if is_base:
             self.base = part.prefix + (floating.root if floating.root in tree.links else tree.base)
-        mass = sum(link.inertial.mass for link in loaded.description.links if link.inertial and link.name in tree.links)
-        move_meshes(root, loaded.folder, self.folder)
-        if part.prefix:
-            add_prefix(root, part.prefix)
-        rename_materials(root, part.prefix, self.materials)
-        on = "" if is_base else self._mount_link(part)
-        if not is_base:
-            mount(Links(root), leaving, on, part.at, part.rpy)
-        self._declare(part, root)
-        tree = Links(root)
-        moving = sum(joint.get("type") != "fixed" for joint in tree.joints.values())
-        names = tuple(tree.links), tuple(tree.joints)
-        placed = PlacedPart(part, loaded.description.name, on, *names, moving, mass, tuple(removed), loaded.note)
-        self.roots.append(root)
-        self.parts.append(placed)
-        self.warnings += [replace(one, subject=f"part '{placed.label}'") for one in loaded.warnings]
+        return removed, leaving
 
     def _mount_link(self, part: Part) -> str:
         known = [name for placed in self.parts for name in placed.links]
@@ -412,12 +426,13 @@ def _file(part: Part, package_dirs: Sequence[Path], limits: Limits) -> _Loaded:
         raise text.locate_error(path, error) from None
 
 
-def _parsed(path: Path, content: bytes, limits: Limits) -> tuple[etree._Element, Description]:
+def _parsed(path: Path, content: bytes, limits: Limits) -> tuple[etree._Element, Description, Description]:
+    """Return the file as XML, what it says, and the tree of its links."""
     root = source.parse(path, encoding.decode(path, content).content, limits, comments=True)
     source.check_format(path, root)
     structure.check_size(path, root, limits)
     description, _ = parse(root, path.stem)
-    return root, structure.order_joints(path, description, limits)
+    return root, description, span(path, description, foreign=foreign_joints(root)).description
 
 
 def _unite_versions(roots: Sequence[etree._Element], parts: Sequence[Part]) -> None:

@@ -29,19 +29,18 @@ class Links:
     root : etree._Element
         The element <robot>.
     links, joints : dict of str to etree._Element
-        By name.
+        By name; without joints that close a loop.
+    base : str
+        The link that is the child of no joint.
     """
 
-    def __init__(self, root: etree._Element) -> None:
+    def __init__(self, root: etree._Element, description: Description) -> None:
         self.root = root
         self.links = {str(link.get("name")): link for link in root.iterchildren("link")}
-        self.joints = {str(joint.get("name")): joint for joint in root.iterchildren("joint")}
-
-    @property
-    def base(self) -> str:
-        """Return the name of the link that is the child of no joint."""
-        children = {end(joint, "child") for joint in self.joints.values()}
-        return next(name for name in self.links if name not in children)
+        joints = {str(joint.get("name")): joint for joint in root.iterchildren("joint")}
+        self.joints = {joint.name: joints.pop(joint.name) for joint in description.joints}
+        self.closing = joints
+        self.base = description.root
 
     def below(self, link: str) -> Iterator[etree._Element]:
         """Return the joints that leave a link."""
@@ -52,12 +51,12 @@ class Links:
         children = defaultdict[str, list[str]](list)
         for joint in self.joints.values():
             children[end(joint, "parent")].append(end(joint, "child"))
-        found, waiting = set[str](), [link]
+        branch, waiting = set[str](), [link]
         while waiting:
             name = waiting.pop()
-            found.add(name)
+            branch.add(name)
             waiting += children[name]
-        return found
+        return branch
 
     def moves(self, link: str) -> bool:
         """Return whether a joint moves something in the branch of a link."""
@@ -66,20 +65,25 @@ class Links:
 
     def take_out(self, links: set[str]) -> None:
         """Take links out, with the joints at either end of them, and what other programs have for these."""
-        joints = {name for name, joint in self.joints.items() if links & {end(joint, "parent"), end(joint, "child")}}
+        every = self.joints | self.closing
+        joints = {name for name, joint in every.items() if links & {end(joint, "parent"), end(joint, "child")}}
+        for name, joint in every.items():
+            mimic = joint.find("mimic")
+            if name not in joints and mimic is not None and mimic.get("joint") in joints:
+                leader = mimic.get("joint")
+                raise OspaceError(
+                    printable(f"joint '{name}' mimics '{leader}', which would be removed: remove both or none")
+                )
         for name in links:
             cut(self.links.pop(name))
         for name in joints:
-            cut(self.joints.pop(name))
-        for name, joint in self.joints.items():
-            mimic = joint.find("mimic")
-            if mimic is not None and mimic.get("joint") in joints:
-                raise OspaceError(
-                    printable(
-                        f"joint '{name}' mimics '{mimic.get('joint')}', which would be removed: remove both or none"
-                    )
-                )
-        _forget(self.root, (links | joints) - self.links.keys() - self.joints.keys())
+            cut(every.pop(name))
+            self.joints.pop(name, None)
+            self.closing.pop(name, None)
+        if self.base in links:
+            carried = {end(joint, "child") for joint in self.joints.values()}
+            self.base = next(name for name in self.links if name not in carried)
+        _forget(self.root, (links | joints) - self.links.keys() - every.keys())
 
 
 def remove_branch(tree: Links, name: str) -> list[str]:
@@ -130,7 +134,7 @@ def drop_world(tree: Links, description: Description, *, is_base: bool) -> list[
         Joints that left it, which now lack a parent, and their poses; None where nothing was taken out.
     """
     link = tree.links.get(WORLD)
-    leaving = list(tree.below(WORLD))
+    leaving = [*tree.below(WORLD), *(joint for joint in tree.closing.values() if end(joint, "parent") == WORLD)]
     if link is None or tree.base != WORLD or not leaving or list(link.iterchildren("visual", "collision")):
         return None
     inertial = description.link[WORLD].inertial
@@ -146,23 +150,28 @@ def drop_world(tree: Links, description: Description, *, is_base: bool) -> list[
     return [(joint, description.joint[str(joint.get("name"))].pose) for joint in leaving]
 
 
-def mount(tree: Links, leaving: list[tuple[etree._Element, Pose]] | None, on: str, at: Triple, rpy: Triple) -> None:
-    """Put a part on the link `on`: by the joints that left its world, or else by a fixed joint of its own."""
+def mount(
+    root: etree._Element,
+    base: str,
+    leaving: list[tuple[etree._Element, Pose]] | None,
+    on: str,
+    at: Triple,
+    rpy: Triple,
+) -> None:
+    """Put a part on the link `on`: by the joints that left its world, or else its base by a fixed joint of its own."""
     if leaving is None:
-        base = tree.base
-        name = f"{base}_mount"
-        while name in tree.joints:
+        name, taken = f"{base}_mount", {joint.get("name") for joint in root.iterchildren("joint")}
+        while name in taken:
             name += "_"
         joint = etree.Element("joint", {"name": name, "type": "fixed"})
         joint.text = joint.tail = _INDENT
         for tag, link in (("parent", on), ("child", base)):
             joint.append(etree.Element(tag, {"link": link}))
-        tree.root.append(joint)
-        tree.joints[name] = joint
+        root.append(joint)
         leaving = [(joint, Pose())]
     for joint, pose in leaving:
         parent = joint.find("parent")
-        assert parent is not None  # as `structure.order_joints` saw
+        assert parent is not None  # or the part would not be a tree
         parent.set("link", on)
         _set_origin(joint, pose, at, rpy)
 

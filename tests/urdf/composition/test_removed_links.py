@@ -9,7 +9,8 @@ from lxml import etree
 from urdf.corpus.parts import AXIS, LIMIT, joint, link, robot
 
 import ospace
-from ospace import OspaceError, Part, compose
+from ospace import OspaceError, Part, UrdfError, compose
+from ospace.urdf import reader
 
 BUS = "box:1x1x1m,100kg"
 STAND = (
@@ -181,3 +182,40 @@ def test_arms_stand_on_the_base_of_a_bus_that_has_a_world(file, tmp_path, kind):
     assert mount.find("parent").get("link") == "base"
     assert {finding.severity for finding in composed.findings} <= {"info"}
     assert ospace.SpaceRobot.from_urdf(out).joint_names == ["knee", "hinge"]
+
+
+# -- what is no tree, or no one robot ------------------------------------------------------------------------------
+
+TWO = (
+    link("world", ""),
+    *map(link, "ab"),
+    *(joint(f"to_{name}", "floating", "world", name, "") for name in "ab"),
+)
+
+
+def test_of_two_free_bodies_one_must_be_removed(file):
+    with pytest.raises(UrdfError, match=r"arm.urdf: .*holds 2 free bodies, 'a', 'b'"):
+        compose(BUS, file(*TWO))
+    composed = compose(BUS, Part(file(*TWO), remove="b", at=(1, 0, 0)))
+    assert names(composed) == ["bus", "a"]
+    assert names(composed, "joint") == ["a_mount"]
+
+
+@pytest.mark.parametrize("prefix", ["", "l_"])
+def test_a_loop_is_kept_in_the_file_and_reported_of_its_part(file, prefix):
+    loop = file(*ARM, link("rod"), joint("a", "revolute", "base", "rod"), joint("b", "revolute", "arm", "rod"))
+    composed = compose(BUS, Part(loop, prefix=prefix))
+    assert f"{prefix}b" in names(composed, "joint")
+    (finding,) = [one for one in composed.findings if one.severity == "warning"]
+    assert finding.code == reader.read(loop).findings[0].code
+    assert composed.part_of(finding) is composed.parts[1]
+    gone = compose(BUS, Part(loop, prefix=prefix, remove="rod"))
+    assert names(gone, "joint") == [f"{prefix}hinge", f"{prefix}base_mount"]
+
+
+def test_a_loop_through_the_world_goes_through_the_bus(file):
+    loop = file(*on_world(), joint("strut", "revolute", "world", "arm"))
+    composed = compose(BUS, Part(loop, at=AT, rpy=RPY))
+    ends = {one.get("name"): one.find("parent").get("link") for one in tree(composed).iterfind("joint")}
+    assert ends == {"ground": "bus", "hinge": "base", "strut": "bus"}
+    assert [one.severity for one in composed.findings if one.severity != "info"] == ["warning"]
