@@ -397,6 +397,7 @@ class _Robot:
                 start.tail = f"{(root.text or '').strip()}\n  "
                 whole.extend(children)
         whole[-1].tail = f"{(whole[-1].tail or '').rstrip()}\n"
+        etree.cleanup_namespaces(whole, keep_ns_prefixes=[prefix for prefix in whole.nsmap if prefix])
         return bytes(etree.tostring(whole, encoding="utf-8", xml_declaration=True)) + b"\n"
 
 
