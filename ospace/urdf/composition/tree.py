@@ -32,6 +32,8 @@ class Links:
         By name; without joints that close a loop.
     base : str
         The link that is the child of no joint.
+    weightless : set of str
+        Links without mass and inertia.
     """
 
     def __init__(self, root: etree._Element, description: Description) -> None:
@@ -41,6 +43,7 @@ class Links:
         self.joints = {joint.name: joints.pop(joint.name) for joint in description.joints}
         self.closing = joints
         self.base = description.root
+        self.weightless = {link.name for link in description.links if link.weightless}
 
     def below(self, link: str) -> Iterator[etree._Element]:
         """Return the joints that leave a link."""
@@ -104,7 +107,7 @@ def remove_branch(tree: Links, name: str) -> list[str]:
     if name not in tree.links:
         raise OspaceError(printable(f"there is no link '{name}' to remove{closest(name, tree.links)}"))
     gone = tree.branch(name)
-    if not any(tree.links[link].find("inertial") is not None for link in tree.links.keys() - gone):
+    if tree.links.keys() - gone <= tree.weightless:
         arms = [
             joint for joint in tree.below(name) if joint.get("type") not in _FIXED or tree.moves(end(joint, "child"))
         ]
@@ -137,8 +140,7 @@ def drop_world(tree: Links, description: Description, *, is_base: bool) -> list[
     leaving = [*tree.below(WORLD), *(joint for joint in tree.closing.values() if end(joint, "parent") == WORLD)]
     if link is None or tree.base != WORLD or not leaving or list(link.iterchildren("visual", "collision")):
         return None
-    inertial = description.link[WORLD].inertial
-    if inertial is not None and (inertial.mass, *inertial.tensor) != (0.0,) * 7:
+    if not description.link[WORLD].weightless:
         return None
     if is_base:
         if len(leaving) > 1 or leaving[0].get("type") != "fixed":
