@@ -38,8 +38,8 @@ if TYPE_CHECKING:
     from ospace.scenario.errors import ScenarioError as ScenarioError
     from ospace.simulation.errors import SimulationError as SimulationError
     from ospace.simulation.simulate import simulate as simulate
-    from ospace.urdf.composition.compose import Part as Part
     from ospace.urdf.composition.compose import compose as compose
+    from ospace.urdf.composition.parts import Part as Part
     from ospace.urdf.errors import UnsoundModelError as UnsoundModelError
     from ospace.urdf.errors import UrdfError as UrdfError
     from ospace.urdf.source import Limits as Limits
@@ -63,7 +63,7 @@ _HOME = {
     "Controller": "control.controller",
     "simulate": "simulation.simulate",
     "compose": "urdf.composition.compose",
-    "Part": "urdf.composition.compose",
+    "Part": "urdf.composition.parts",
     "OspaceError": "exceptions",
     "UrdfError": "urdf.errors",
     "UnsoundModelError": "urdf.errors",

@@ -12,7 +12,7 @@ from ospace.cli import output
 from ospace.cli.console import buffered_console, buffered_text, plain, show_findings
 
 if TYPE_CHECKING:
-    from ospace.urdf.composition.compose import Composition, Part, PlacedPart
+    from ospace.urdf.composition.parts import Composition, Part, PlacedPart
 
 _WIDTH = 80
 _PIPE_WIDTH = 200
@@ -158,7 +158,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
 def _parts(given: argparse.Namespace) -> list[Part]:
     """Read the parts; raises `SystemExit` with the usage where an option belongs to none, or not one to each."""
     from ospace.cli.main import find
-    from ospace.urdf.composition.compose import Part
+    from ospace.urdf.composition.parts import Part
     from ospace.urdf.composition.simple_body import is_simple_body
 
     parts = []
