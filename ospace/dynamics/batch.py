@@ -11,9 +11,12 @@ from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
+import pinocchio as pin
+from scipy.spatial.transform import Rotation
 
 from ospace.checks import check_kind, checked_names, real_numbers
 from ospace.dynamics.evaluator import BITS, OperationalSpaceEvaluator
+from ospace.dynamics.generalized_jacobian import base_generalized_jacobian, centre_of_mass
 from ospace.dynamics.workspace import layout_of, wanted_of
 from ospace.exceptions import OspaceError
 from ospace.kernels import batch as kernel
@@ -22,10 +25,19 @@ from ospace.kernels.jit import simd
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint, points_of, rows_of
 from ospace.model.robot import SpaceRobot
+from ospace.model.state import State
 
 CHUNK = 512
 _BITS = {name: bits for name, bits in BITS.items() if name not in ("jacobian", "generalized_bias")}
-_BITS |= {"inertia_inverse_packed": BITS["inertia_inverse"], "smallest_singular_value": BITS["generalized_jacobian"]}
+_BITS |= {
+    "inertia_inverse_packed": BITS["inertia_inverse"],
+    "base_generalized_jacobian": evaluation.FLOATING_BASE,
+    "singular_values": BITS["generalized_jacobian"],
+    "smallest_singular_value": BITS["generalized_jacobian"],
+    "centre_of_mass": evaluation.FLOATING_BASE,
+    "placement": 0,
+}
+_OF_JACOBIAN = ("singular_values", "smallest_singular_value")
 QUANTITIES = tuple(_BITS)
 _NOTHING = {
     "inertia_inverse": np.empty((0, 0, 0)),
@@ -36,6 +48,9 @@ _NOTHING = {
     "generalized_jacobian": np.empty((0, 0, 0)),
     "generalized_inertia": np.empty((0, 0, 0)),
     "momentum": np.empty((0, 0)),
+    "base_generalized_jacobian": np.empty((0, 0, 0)),
+    "centre_of_mass": np.empty((0, 0)),
+    "placement": np.empty((0, 0, 0)),
 }
 
 
@@ -57,8 +72,16 @@ class OperationalSpaceBatch:
         J_m*.
     generalized_inertia : (N, n, n)
         H_m*.
+    base_generalized_jacobian : (N, 6, n)
+        J_b*.
+    singular_values : (N, min(r, n))
+        Of J_m*, the largest first, by LAPACK.
     smallest_singular_value : (N,)
-        σ_min of J_m*, the last of its min(r, n) singular values, by LAPACK: zero at a dynamic singularity.
+        σ_min of J_m*, the last of these: zero at a dynamic singularity.
+    placement : (N, p, 7)
+        Position (m) and quaternion x, y, z, w of each point in the inertial frame.
+    centre_of_mass : (N, 3)
+        Of the robot, in the inertial frame; m.
     momentum : (N, 6)
         M_0.
     bad : (k,) int array
@@ -72,7 +95,11 @@ class OperationalSpaceBatch:
     bias_force: Floats | None = None
     generalized_jacobian: Floats | None = None
     generalized_inertia: Floats | None = None
+    base_generalized_jacobian: Floats | None = None
+    singular_values: Floats | None = None
     smallest_singular_value: Floats | None = None
+    placement: Floats | None = None
+    centre_of_mass: Floats | None = None
     momentum: Floats | None = None
     bad: npt.NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
@@ -130,7 +157,7 @@ def operational_space_batch(
     V = np.broadcast_to(np.zeros(robot.nv), (len(Q), robot.nv)) if V is None else _states(V, robot.nv, "V", robot.name)
     if len(V) != len(Q):
         raise OspaceError(f"Q has {len(Q)} states and V has {len(V)}: give one velocity for each configuration")
-    results = _arrays(robot, len(rows_of(given)), len(Q), quantities, out or {})
+    results = _arrays(robot, given, len(Q), quantities, out or {})
     lanes = simd.widest()
     work = _Work(robot, given, Q, V, results, lanes, kernel.BY_WIDTH[lanes])
     _over_threads(work, len(Q), _threads(threads))
@@ -146,7 +173,7 @@ def interpreted_batch(
     `operational_space_batch`. Where the lanes call a state bad, it is: no evaluator computes it after all, which would
     hide a mistake of theirs.
     """
-    results = _arrays(robot, len(rows_of(points)), len(Q), QUANTITIES, {})
+    results = _arrays(robot, points, len(Q), QUANTITIES, {})
     retried = (evaluation.DEPENDENT, evaluation.FAR)
     work = _Work(robot, tuple(points), Q, V, results, 2, _evaluate_2_interpreted, retried)
     _over_threads(work, len(Q), 1)
@@ -170,9 +197,10 @@ def _states(given: npt.ArrayLike, columns: int, name: str, robot: str) -> Floats
 
 
 def _arrays(
-    robot: SpaceRobot, r: int, N: int, quantities: Sequence[str], out: Mapping[str, Floats]
+    robot: SpaceRobot, given: Sequence[OperationalPoint], N: int, quantities: Sequence[str], out: Mapping[str, Floats]
 ) -> dict[str, Floats]:
     """Return an array for each quantity, of `out` where it is given."""
+    r, points = len(rows_of(given)), len(given)
     shapes: dict[str, tuple[int, ...]] = {
         "inertia_inverse": (N, r, r),
         "inertia_inverse_packed": (N, r * (r + 1) // 2),
@@ -181,7 +209,11 @@ def _arrays(
         "bias_force": (N, r),
         "generalized_jacobian": (N, r, robot.n_joints),
         "generalized_inertia": (N, robot.n_joints, robot.n_joints),
+        "base_generalized_jacobian": (N, 6, robot.n_joints),
+        "singular_values": (N, min(r, robot.n_joints)),
         "smallest_singular_value": (N,),
+        "placement": (N, points, 7),
+        "centre_of_mass": (N, 3),
         "momentum": (N, 6),
     }
     results = {}
@@ -263,6 +295,7 @@ class _Work:
         self.status = np.full(len(Q), evaluation.BAD_INPUT, dtype=np.int64)
         self.lanes, self.evaluate, self.retried = lanes, evaluate, retried
         self.layout = layout_of(robot, points)
+        self.turns = [robot.link_axes[point.joint].T @ point.placement.rotation for point in points]
         for name in results:
             self.layout.want[0] |= _BITS[name]
         self.layout.want[0] = wanted_of(robot, int(self.layout.want[0]))
@@ -277,8 +310,9 @@ class _Worker:
         if work.robot.own_kinematics:
             self.memory = workspace.lay_out(work.layout, work.robot.nq, work.lanes)
         self.Q, self.V = np.empty((CHUNK, work.robot.nq)), np.empty((CHUNK, work.robot.nv))
-        rows = CHUNK if "smallest_singular_value" in work.results else 0
+        rows = CHUNK if any(name in work.results for name in _OF_JACOBIAN) else 0
         self.jacobian = np.empty((rows, len(work.rows), work.robot.n_joints))
+        self.placed = np.zeros((CHUNK if "placement" in work.results else 0, len(work.points), 12))
 
     def run(self, chunk: slice) -> None:
         """Compute one chunk, in place."""
@@ -288,16 +322,34 @@ class _Worker:
             out = kernel.Results(**parts, status=work.status[chunk])
             self.Q[:count], self.V[:count] = work.Q[chunk], work.V[chunk]
             work.evaluate(self.Q[:count], self.V[:count], self.memory, out)
+            self._place(chunk)
         again = np.isin(work.status[chunk], work.retried) if self.memory is not None else np.ones(count, dtype=bool)
         for s in chunk.start + np.flatnonzero(again):
             work.status[s] = self._alone(int(s), chunk)
-        if "smallest_singular_value" in work.results:
-            J = self._part("generalized_jacobian", chunk)
-            values = np.linalg.svd(J, compute_uv=False)
-            work.results["smallest_singular_value"][chunk] = values.min(axis=1) if values.shape[1] else 0.0
+        if len(self.jacobian):
+            values = np.linalg.svd(self._part("generalized_jacobian", chunk), compute_uv=False)
+            if "singular_values" in work.results:
+                work.results["singular_values"][chunk] = values
+            if "smallest_singular_value" in work.results:
+                work.results["smallest_singular_value"][chunk] = values.min(axis=1) if values.shape[1] else 0.0
+
+    def _place(self, chunk: slice) -> None:
+        """Turn what the lanes know of places, about the base and of links, into places of points and mass centre."""
+        work, origin = self.work, self.work.Q[chunk, :3]
+        if "centre_of_mass" in work.results:
+            work.results["centre_of_mass"][chunk] += origin
+        if "placement" in work.results and chunk.stop > chunk.start:
+            placed, to = self._part("placement", chunk), work.results["placement"][chunk]
+            to[:, :, :3] = placed[:, :, :3] + origin[:, None]
+            for e, turn in enumerate(work.turns):
+                axes = placed[:, e, 3:].reshape(-1, 3, 3).transpose(0, 2, 1)
+                good = work.status[chunk] != evaluation.BAD_INPUT
+                to[good, e, 3:] = Rotation.from_matrix(axes[good] @ turn).as_quat()
 
     def _part(self, name: str, chunk: slice) -> Floats:
         """Return the rows of a result that belong to `chunk`; none where it is not wanted."""
+        if name == "placement" and len(self.placed):
+            return self.placed[: chunk.stop - chunk.start]
         if name in self.work.results:
             return self.work.results[name][chunk]
         if name == "generalized_jacobian" and len(self.jacobian):
@@ -319,6 +371,7 @@ class _Worker:
                     result[s] = getattr(one, name)
             if len(self.jacobian):
                 self._part("generalized_jacobian", chunk)[s - chunk.start] = one.generalized_jacobian
+            self._place_alone(s)
             if "inertia_inverse_packed" in work.results:
                 work.results["inertia_inverse_packed"][s] = one.inertia_inverse[np.tril_indices(len(work.rows))]
         except OspaceError:
@@ -328,3 +381,14 @@ class _Worker:
                 self._part("generalized_jacobian", chunk)[s - chunk.start] = 0.0
             return evaluation.BAD_INPUT
         return evaluation.OK
+
+    def _place_alone(self, s: int) -> None:
+        """Write what only a state knows: its placements, mass centre and J_b*."""
+        work, state = self.work, State(self.work.robot, self.work.Q[s], self.work.V[s])
+        if "placement" in work.results:
+            poses = [pin.SE3ToXYZQUAT(state.placement(point)) for point in work.points]
+            work.results["placement"][s] = poses
+        if "centre_of_mass" in work.results:
+            work.results["centre_of_mass"][s] = centre_of_mass(state)
+        if "base_generalized_jacobian" in work.results:
+            work.results["base_generalized_jacobian"][s] = base_generalized_jacobian(state)

@@ -53,6 +53,24 @@ def base_generalized_jacobian(state: State) -> Floats:
     return J_b_star
 
 
+def centre_of_mass(state: State) -> Floats:
+    """Compute the centre of mass of the robot, (3,), in the inertial frame; m.
+
+    Returns
+    -------
+    (3,) array
+
+    Raises
+    ------
+    OspaceError
+        A result is not finite.
+    """
+    run = workspace.of(state)
+    run.evaluate(kernel.FLOATING_BASE)
+    centre: Floats = run.table("mass_centre")[0] + state.q[:3]
+    return centre
+
+
 def generalized_jacobian(state: State, points: OperationalPoint | Sequence[OperationalPoint]) -> GeneralizedJacobian:
     """Compute J_b* (27), (28), J_m* (29)–(31) and the velocities that momentum leaves (26).
 

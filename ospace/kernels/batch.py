@@ -15,14 +15,15 @@ from ospace.kernels.evaluation import (
 from ospace.kernels.jit.compile import Number, entry_for_threads, inlined
 from ospace.kernels.jit.simd import zeros
 from ospace.kernels.kinematics import follower_coordinate
-from ospace.kernels.tree import CONTINUOUS, Floats, Ints, Joints
+from ospace.kernels.tree import CONTINUOUS, Floats, Ints, Joints, Nodes
 from ospace.kernels.workspace import UNIT, Wide, open_index, open_robot, open_table, open_work, place_of
 
 _Q, _VELOCITY, _DIAGNOSTICS = place_of("q"), place_of("velocity"), place_of("diagnostics")
 _INERTIA_INVERSE, _INERTIA = place_of("inertia_inverse"), place_of("inertia")
 _BIAS_ACCELERATION, _BIAS_FORCE = place_of("bias_acceleration"), place_of("bias_force")
 _GENERALIZED_JACOBIAN, _GENERALIZED_INERTIA = place_of("generalized_jacobian"), place_of("generalized_inertia")
-_MOMENTUM = place_of("momentum")
+_MOMENTUM, _J_B_STAR, _MASS_CENTRE = place_of("momentum"), place_of("J_b_star"), place_of("mass_centre")
+_PLACE, _R = place_of("place"), place_of("R")
 
 
 class Results(NamedTuple):
@@ -36,6 +37,11 @@ class Results(NamedTuple):
     generalized_jacobian: Floats
     generalized_inertia: Floats
     momentum: Floats
+    base_generalized_jacobian: Floats
+    centre_of_mass: Floats
+    """About the base."""
+    placement: Floats
+    """(N, p, 12) position about the base, then the axes of the link by columns."""
     status: Ints
 
 
@@ -83,6 +89,29 @@ def scatter_packed(memory: Floats, at: Ints, k: int, lanes: int, out: Floats, fi
 
 
 @inlined
+def scatter_columns(memory: Floats, at: Ints, k: int, lanes: int, out: Floats, first: int) -> None:
+    """Write the rows of table `k` but the first, of each lane, as the columns of `out`, (N, 6, n)."""
+    start = at[3 * k]
+    for lane in range(min(lanes, out.shape[0] - first)):
+        for j in range(out.shape[2]):
+            for c in range(6):
+                out[first + lane, c, j] = memory[start + ((j + 1) * 6 + c) * lanes + lane]
+
+
+@inlined
+def scatter_placements(nodes: Nodes, memory: Floats, at: Ints, lanes: int, out: Floats, first: int) -> None:
+    """Write where the points are in each lane, and the axes of their links, to `out`, (N, p, 12)."""
+    for lane in range(min(lanes, out.shape[0] - first)):
+        for n in range(1, nodes.parent.size):
+            if nodes.point[n] >= 0:
+                place, R = at[3 * _PLACE] + 3 * n * lanes, at[3 * _R] + 9 * nodes.link[n] * lanes
+                for c in range(3):
+                    out[first + lane, nodes.point[n], c] = memory[place + c * lanes + lane]
+                for c in range(9):
+                    out[first + lane, nodes.point[n], 3 + c] = memory[R + c * lanes + lane]
+
+
+@inlined
 def evaluate_lanes(Q: Floats, V: Floats, memory: Floats, number: Number, lanes: int, out: Results) -> None:
     """Evaluate all states of `Q` and `V`, `lanes` at a time."""
     robot, w, at = open_robot(memory), open_work(memory, number), open_index(memory)
@@ -105,6 +134,9 @@ def evaluate_lanes(Q: Floats, V: Floats, memory: Floats, number: Number, lanes: 
         scatter(memory, at, _GENERALIZED_JACOBIAN, lanes, out.generalized_jacobian, first)
         scatter(memory, at, _GENERALIZED_INERTIA, lanes, out.generalized_inertia, first)
         scatter(memory, at, _MOMENTUM, lanes, out.momentum, first)
+        scatter(memory, at, _MASS_CENTRE, lanes, out.centre_of_mass, first)
+        scatter_columns(memory, at, _J_B_STAR, lanes, out.base_generalized_jacobian, first)
+        scatter_placements(robot.nodes, memory, at, lanes, out.placement, first)
         for lane in range(min(lanes, Q.shape[0] - first)):
             d = diagnostics + lane
             out.status[first + lane] = status(
