@@ -226,7 +226,7 @@ def test_an_unsound_robot_is_drawn_and_its_faults_are_reported(view, tmp_path):
     assert status == 1
     assert out.startswith("wrote out.html")
     page = (tmp_path / "out.html").read_text(encoding="utf-8")
-    assert "unsound: 3 errors, 1 warning; all joints at zero" in page
+    assert "unsound: 2 errors, 1 warning; all joints at zero" in page
     for text in (
         "error negative-mass: link 'arm', line 4",
         "error number-unreadable: joint 'wrist', line 11",

@@ -111,7 +111,7 @@ def test_a_mesh_that_was_written_again_is_measured_again(read, tmp_path):
 
 def test_meshes_of_an_unsound_robot_are_read_too(read, capsys):
     file = read(file="cut.dae").source
-    file.write_text(file.read_text().replace('mass value="4"', 'mass value="-4"'))
+    file.write_text(file.read_text().replace('mass value="4.0"', 'mass value="-4.0"'))
     assert main(["check", str(file), "--json"]) == 1
     codes = [finding["code"] for finding in json.loads(capsys.readouterr().out)["findings"]]
     assert {"negative-mass", "mesh-unreadable"} <= set(codes)

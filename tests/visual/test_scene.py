@@ -169,10 +169,10 @@ def test_a_missing_mesh_is_reported_and_stands_as_a_box(tmp_path):
     assert str(scene.findings[0]) in page.replace("&#39;", "'")
 
 
-@pytest.mark.parametrize("address", ["../secret.stl", "file://{}/secret.stl", "{}/secret.stl"])
+@pytest.mark.parametrize("address", ["../../secret.stl", "file://{}/secret.stl", "{}/secret.stl"])
 def test_a_mesh_outside_is_not_opened(tmp_path, address):
-    file = tmp_path / "robot" / "robot.urdf"
-    file.parent.mkdir()
+    file = tmp_path / "robot" / "urdf" / "robot.urdf"
+    file.parent.mkdir(parents=True)
     (tmp_path / "secret.stl").write_bytes(b"\x00" * 84)
     mesh = f'<visual><geometry><mesh filename="{address.format(tmp_path)}"/></geometry></visual>'
     file.write_text(f'<robot name="r"><link name="base">{BODY}{mesh}</link></robot>')
