@@ -104,7 +104,7 @@ class Benchmark:
 
 @dataclass(frozen=True)
 class Plan:
-    """What is to be timed on a robot, found to give the same numbers both ways.
+    """Comparisons to time on a robot, found to give the same numbers both ways.
 
     Attributes
     ----------
@@ -122,7 +122,7 @@ class Plan:
 
     @property
     def turns(self) -> int:
-        """How often `run` calls its `tick`."""
+        """Number of times that `run` calls its `tick`."""
         return WINDOWS * (len(self.contests) + len(_BATCHES) + len(growth.SHAPES) * len(self.sizes))
 
 

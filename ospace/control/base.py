@@ -29,6 +29,11 @@ class Base:
         Torques come of reaction wheels, which store the angular momentum that they take, instead of thrusters.
     wheel_momentum : float
         Largest angular momentum that wheels store about each base axis, N m s.
+
+    Raises
+    ------
+    OspaceError
+        An amount is not one or three numbers from 0 on, or the momentum of wheels is not above 0.
     """
 
     force: Amount = None

@@ -38,7 +38,7 @@ class Layout:
 
 @dataclass(frozen=True)
 class Timing:
-    """Where the time of a cycle went, s."""
+    """Times of the parts of a cycle, s."""
 
     dynamics: float
     assembly: float
@@ -48,7 +48,7 @@ class Timing:
 
 @dataclass(frozen=True)
 class Command:
-    """What to do now.
+    """Command of a control cycle.
 
     Attributes
     ----------

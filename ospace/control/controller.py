@@ -52,7 +52,7 @@ _LOOKED_UP = ("_solve", "_R", "_place", "_q", "_v")
 
 
 class _Outcome(NamedTuple):
-    """What comes of a cycle's program."""
+    """Result of a cycle's program."""
 
     z: Floats
     status: Status
@@ -196,7 +196,20 @@ class Controller:
     # -- one cycle -------------------------------------------------------------------------------------------
 
     def update(self, time: float, q: npt.ArrayLike, v: npt.ArrayLike) -> Command:
-        """Return what to do at `time` (s) in the state `q` (nq,), `v` (nv,).
+        """Return the command of a control cycle.
+
+        Parameters
+        ----------
+        time : float
+            s.
+        q : (nq,)
+            Configuration, as `SpaceRobot.state` takes it; m, rad.
+        v : (nv,)
+            Velocity, base twist in base axes, linear first, then joint rates; m/s, rad/s.
+
+        Returns
+        -------
+        Command
 
         Raises
         ------
@@ -225,9 +238,23 @@ class Controller:
         return self._command(outcome, outside, (start, evaluated, assembled, solved))
 
     def completed(self, name: str) -> bool:
-        """Whether the task's completion test has held for its time in the last cycle.
+        """Return whether the task's completion test has held for its time in the last cycle.
 
         It does not before a `MinimumJerk` has come to rest; a `Function` is compared with where it is.
+
+        Parameters
+        ----------
+        name : str
+            Of the task.
+
+        Returns
+        -------
+        bool
+
+        Raises
+        ------
+        OspaceError
+            The task is unknown, or has no completion test.
         """
         t = self._index(name)
         completion = self.tasks[t].completion
@@ -236,7 +263,20 @@ class Controller:
         return self._completion.held(t, self._time) >= completion.hold - 1e-12
 
     def follow(self, name: str, reference: Reference | Mapping[str, float]) -> None:
-        """Give a task another reference, or a posture task another posture, from the next cycle on."""
+        """Give a task another reference, or a posture task another posture, from the next cycle on.
+
+        Parameters
+        ----------
+        name : str
+            Of the task.
+        reference : Constant, MinimumJerk, Function, or mapping of joint name to position
+            The last is a posture; rad, or m.
+
+        Raises
+        ------
+        OspaceError
+            The task is unknown, or cannot follow the reference.
+        """
         t = self._index(name)
         task = self.tasks[t].redirected(reference)
         task.write(self.robot, self._tasks.posture[t])
@@ -245,7 +285,17 @@ class Controller:
         self._completion.restart(t)
 
     def pose(self, point: OperationalPoint) -> pin.SE3:
-        """Return the pose of a point of one of the tasks in the state of the last cycle, inertial axes; m.
+        """Return the pose of a point of one of the tasks in the state of the last cycle.
+
+        Parameters
+        ----------
+        point : OperationalPoint
+            Of the controller's robot.
+
+        Returns
+        -------
+        pin.SE3
+            Inertial axes; m.
 
         Raises
         ------

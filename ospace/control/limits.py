@@ -32,6 +32,12 @@ class JointLimits:
         To either side; rad/s, or m/s. 0 is a joint that its drive holds still.
     acceleration : (n,)
         To either side; rad/s², or m/s².
+
+    Raises
+    ------
+    OspaceError
+        An array is not of n numbers, a torque or velocity is below 0, an acceleration is not above it, or a lower limit
+        is above its upper one.
     """
 
     torque: Floats
@@ -82,6 +88,10 @@ class JointLimits:
             URDF has none; rad/s², or m/s². A joint with several rates takes the number for each.
         share : float
             Of the torques and velocities that the model allows.
+
+        Returns
+        -------
+        JointLimits
 
         Raises
         ------

@@ -32,7 +32,7 @@ class Level:
 
 
 class Solution(NamedTuple):
-    """What levels lead to."""
+    """Solution of all levels."""
 
     z: Floats
     dropped: tuple[int, ...] = ()

@@ -37,7 +37,15 @@ class Constant:
         checked_vector(self.velocity, 6, "velocity of a reference")
 
     def write(self, row: Floats, time: float) -> None:
-        """Write the reference to a row of the kernel's table."""
+        """Write the reference to a row of the kernel's table.
+
+        Parameters
+        ----------
+        row : (kernel.COLUMNS,)
+            Overwritten.
+        time : float
+            s.
+        """
         _write_pose(row, self.pose)
         row[kernel.VELOCITY : kernel.VELOCITY + 6] = self.velocity
 
@@ -52,6 +60,11 @@ class MinimumJerk:
         Inertial axes; m.
     start, duration : float
         s. The reference rests at `origin` before, and at `goal` after.
+
+    Raises
+    ------
+    OspaceError
+        A pose is not finite, or the duration is not above zero.
     """
 
     origin: pin.SE3
@@ -69,7 +82,15 @@ class MinimumJerk:
             )
 
     def write(self, row: Floats, time: float) -> None:
-        """Write the reference to a row of the kernel's table."""
+        """Write the reference to a row of the kernel's table.
+
+        Parameters
+        ----------
+        row : (kernel.COLUMNS,)
+            Overwritten: the kernel follows the quintic by itself.
+        time : float
+            s.
+        """
         _write_pose(row, self.origin)
         row[kernel.START], row[kernel.DURATION] = self.start, self.duration
         row[kernel.DISPLACEMENT : kernel.DISPLACEMENT + 3] = self.goal.translation - self.origin.translation
@@ -90,7 +111,20 @@ class Function:
     motion: Moving
 
     def write(self, row: Floats, time: float) -> None:
-        """Write the reference at `time` to a row of the kernel's table."""
+        """Write the reference at `time` to a row of the kernel's table.
+
+        Parameters
+        ----------
+        row : (kernel.COLUMNS,)
+            Overwritten.
+        time : float
+            s.
+
+        Raises
+        ------
+        OspaceError
+            The reference is not finite, or velocity and acceleration are not of six numbers.
+        """
         pose, velocity, acceleration = self.motion(time)
         _write_pose(row, pose)
         row[kernel.VELOCITY : kernel.VELOCITY + 6] = checked_vector(velocity, 6, f"velocity of a reference at {time} s")

@@ -272,7 +272,7 @@ def _over_threads(work: _Work, N: int, threads: int) -> None:
 
 
 class _Work:
-    """What every thread needs to know, and the status of every state."""
+    """Arguments of every thread, and the status of every state."""
 
     def __init__(
         self,

@@ -155,11 +155,34 @@ class OperationalSpaceEvaluator:
         return self._run.points
 
     def table(self, name: str) -> Floats:
-        """Return a view of a table of `ospace.kernels.workspace.Work`: for kernels that go on from the last state."""
+        """Return a view of a table of `ospace.kernels.workspace.Work`: for kernels that go on from the last state.
+
+        Parameters
+        ----------
+        name : str
+            Of the table.
+
+        Returns
+        -------
+        array
+            Overwritten by the next `update`.
+        """
         return self._run.table(name)
 
     def update(self, q: npt.ArrayLike, v: npt.ArrayLike | None = None) -> OperationalSpaceEvaluator:
-        """Compute the quantities at `q` (nq,) and `v` (nv,), zero without it; return the evaluator itself.
+        """Compute the quantities of a state.
+
+        Parameters
+        ----------
+        q : (nq,)
+            Configuration, as `SpaceRobot.state` takes it; m, rad.
+        v : (nv,), optional
+            Velocity, base twist in base axes; zero without it. m/s, rad/s.
+
+        Returns
+        -------
+        OperationalSpaceEvaluator
+            Itself: results are its attributes, in arrays that the next call overwrites.
 
         Raises
         ------

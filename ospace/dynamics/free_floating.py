@@ -68,6 +68,11 @@ def free_floating(
     strict : bool
         Refuse rows of Λ⁻¹ that depend on each other instead of inverting on the numerical range.
 
+    Returns
+    -------
+    FreeFloating
+        Λ⁻¹, Λ_b⁻¹, Λ (r, r), μ (r,) and the torque map J_m* H_m*⁻¹ (r, n) of (12), inertial axes at the points.
+
     Raises
     ------
     DependentRowsError

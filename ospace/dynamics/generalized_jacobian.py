@@ -80,6 +80,11 @@ def generalized_jacobian(state: State, points: OperationalPoint | Sequence[Opera
     points : OperationalPoint or sequence of them
         Any frames of the state's robot, the base included; r rows in the order given.
 
+    Returns
+    -------
+    GeneralizedJacobian
+        J_b* (6, n), J_m* (r, n), and the velocities that momentum leaves to points (r,) and base (6,); inertial axes.
+
     Raises
     ------
     OspaceError

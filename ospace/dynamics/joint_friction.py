@@ -53,7 +53,7 @@ class JointFriction:
 
     @property
     def any(self) -> bool:
-        """Whether any joint has damping or friction."""
+        """True where any joint has damping or friction."""
         return bool(self.damping.any() or self.coulomb.any())
 
     def torque(self, rate: Floats, out: Floats | None = None) -> Floats:

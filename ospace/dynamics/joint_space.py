@@ -86,6 +86,10 @@ def inverse_dynamics(state: State, acceleration: npt.ArrayLike) -> Floats:
 def momentum(state: State) -> Floats:
     """Compute the momentum M_0 = H_b ẋ_b + H_bm φ̇ (1), by the recursion (20), (25).
 
+    Parameters
+    ----------
+    state : State
+
     Returns
     -------
     (6,) array
@@ -104,6 +108,15 @@ def momentum(state: State) -> Floats:
 
 def joint_space_dynamics(state: State) -> JointSpaceDynamics:
     """Compute the inertia and bias of (6) by composite bodies (21) and inverse dynamics (17)–(19).
+
+    Parameters
+    ----------
+    state : State
+
+    Returns
+    -------
+    JointSpaceDynamics
+        H_b, H_bm, H_m, c_b and c_m of (6), inertial axes, base quantities at the base-link frame's origin.
 
     Raises
     ------
@@ -131,6 +144,15 @@ def _symmetric(lower_rows: Floats) -> Floats:
 
 def generalized_dynamics(state: State) -> GeneralizedDynamics:
     """Eliminate the base from (6): the generalized inertia H_m* and bias c_m* of (7).
+
+    Parameters
+    ----------
+    state : State
+
+    Returns
+    -------
+    GeneralizedDynamics
+        H_m* (n, n) and c_m* (n,).
 
     Raises
     ------

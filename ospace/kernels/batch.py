@@ -27,7 +27,7 @@ _PLACE, _R = place_of("place"), place_of("R")
 
 
 class Results(NamedTuple):
-    """Where the results of many states go: leading N; no rows where a result is not wanted."""
+    """Arrays for the results of many states: leading N; no rows where a result is not wanted."""
 
     inertia_inverse: Floats
     inertia_inverse_packed: Floats

@@ -41,7 +41,7 @@ def path_to(parent: Ints, i: int) -> list[int]:
 
 
 class Joints(NamedTuple):
-    """What a robot is, whatever its state; a row for each link, row 0 the base."""
+    """Constants of a robot; a row for each link, row 0 the base."""
 
     parent: Ints
     """The link on the side of the base; always the smaller number."""

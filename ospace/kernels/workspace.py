@@ -158,7 +158,7 @@ class Work(NamedTuple):
 
 
 class Wide(NamedTuple):
-    """What is done on whole rows, in numbers as wide as may be."""
+    """Tables for operations on whole rows, in numbers as wide as possible."""
 
     q: Table
     sine: Table
@@ -276,7 +276,7 @@ def open_list(memory: Floats, at: Ints, k: int) -> Ints:
 
 @inlined
 def open_index(memory: Floats) -> Ints:
-    """Where the tables are: start, rows and columns of each."""
+    """Places of the tables: start, rows and columns of each."""
     numbers: Ints = view_int(memory, 0, 3 * TABLES)
     return numbers
 
@@ -360,7 +360,7 @@ def _tables_of_work(typing: Any, memory: Any, index: Any, number: Any) -> Any:
 
 @inlined
 def open_wide(memory: Floats) -> Wide:
-    """What is done on whole rows, of one state, in numbers of `WIDE`: each table ends where it fills such numbers."""
+    """Open tables for operations on whole rows of one state: each ends where it fills numbers of `WIDE`."""
     at, number = open_index(memory), zeros(WIDE)
     rows = padded(at[3 * _Q + 1]) // WIDE
     columns = at[3 * _SCRATCH + 2] // WIDE

@@ -20,7 +20,7 @@ MIMIC = "JointModelMimic"
 
 @dataclass(frozen=True)
 class Coupling:
-    """How a joint follows another.
+    """Coupling of a joint to another.
 
     Attributes
     ----------

@@ -53,7 +53,7 @@ class PinocchioPass:
 
     @property
     def norm_error(self) -> float:
-        """How far the square of a quaternion's length was from one, at most."""
+        """Largest distance of the square of a quaternion's length from one."""
         return float(self._diagnostics[0, evaluation.NORM_ERROR])
 
     def place(self, q: Floats, v: Floats) -> Floats | None:

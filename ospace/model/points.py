@@ -46,7 +46,7 @@ class OperationalPoint:
 
     @cached_property
     def key(self) -> tuple[int, tuple[bool, ...], bytes]:
-        """What kernels know of the point: equal for points that they cannot tell apart."""
+        """Numbers that kernels know of the point: equal for points that they cannot tell apart."""
         return self.joint, self.axes, np.asarray(self.placement.homogeneous).tobytes()
 
     @property

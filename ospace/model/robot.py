@@ -103,6 +103,11 @@ class SpaceRobot(Layout):
         limits : ospace.Limits, optional
             How large file and robot may be; 20 MB, 2000 links and 150 degrees of freedom without it.
 
+        Returns
+        -------
+        SpaceRobot
+            With the file's findings; gravity is zero.
+
         Raises
         ------
         UrdfError
@@ -127,6 +132,15 @@ class SpaceRobot(Layout):
     @classmethod
     def from_model(cls, model: pin.Model) -> SpaceRobot:
         """Take a copy of a Pinocchio model whose first joint is a free-flyer.
+
+        Parameters
+        ----------
+        model : pin.Model
+            Its first joint is a free-flyer; its gravity is set to zero in the copy.
+
+        Returns
+        -------
+        SpaceRobot
 
         Raises
         ------
@@ -185,6 +199,10 @@ class SpaceRobot(Layout):
         offset : pin.SE3, optional
             The point as seen from the frame; the frame's origin without it.
 
+        Returns
+        -------
+        OperationalPoint
+
         Raises
         ------
         OspaceError
@@ -208,6 +226,11 @@ class SpaceRobot(Layout):
             builds it. m, rad.
         v : (nv,), optional
             Base twist in base axes, linear first, then joint rates; zero without it. m/s, rad/s.
+
+        Returns
+        -------
+        State
+            With copies of `q` and `v`, read-only.
 
         Raises
         ------
@@ -254,7 +277,23 @@ class SpaceRobot(Layout):
         return q
 
     def joint_positions(self, q: npt.ArrayLike) -> dict[str, Position]:
-        """Read joint positions by name from `q`, the inverse of `configuration`; continuous joints in (−π, π]."""
+        """Read joint positions by name from `q`, the inverse of `configuration`; continuous joints in (−π, π].
+
+        Parameters
+        ----------
+        q : (nq,)
+            As of `state`.
+
+        Returns
+        -------
+        dict of joint name to position
+            rad, or m for prismatic joints; as `configuration` takes it for any other.
+
+        Raises
+        ------
+        OspaceError
+            Wrong length, or a number that is not finite.
+        """
         q = checked_vector(q, self.nq, "q", self.name)
         return {
             name: from_q(self.model.joints[j], q[self.model.idx_qs[j] :][: self.model.nqs[j]])
@@ -306,17 +345,63 @@ class SpaceRobot(Layout):
         return BoundedCoordinates.of(self.model)
 
     def base_pose(self, q: npt.ArrayLike) -> pin.SE3:
-        """Read the base pose T_WB from `q`."""
+        """Read the base pose T_WB from `q`.
+
+        Parameters
+        ----------
+        q : (nq,)
+            As of `state`.
+
+        Returns
+        -------
+        pin.SE3
+            The base-link frame as seen from the inertial frame, m.
+
+        Raises
+        ------
+        OspaceError
+            Wrong length, or a number that is not finite.
+        """
         return pin.XYZQUATToSE3(checked_vector(q, self.nq, "q", self.name)[:BASE_NQ])
 
     def joint_number(self, name: str) -> int:
-        """Return Pinocchio's number of a joint behind the base; raises `OspaceError` for an unknown name."""
+        """Return Pinocchio's number of a joint behind the base.
+
+        Parameters
+        ----------
+        name : str
+
+        Returns
+        -------
+        int
+            Index into ``model.joints``; the free-flyer is 1.
+
+        Raises
+        ------
+        OspaceError
+            The joint is unknown; the message names the nearest.
+        """
         if name not in self.joint_names:
             raise OspaceError(f"robot '{self.name}' has no joint '{name}'{closest(str(name), self.joint_names)}")
         return self._moved[self.joint_names.index(name)]
 
     def rates_of(self, name: str) -> slice:
-        """Return where the rates of a joint stand in ``v[6:]``; raises `OspaceError` for an unknown name."""
+        """Return the place of a joint's rates in ``v[6:]``.
+
+        Parameters
+        ----------
+        name : str
+            Of the joint.
+
+        Returns
+        -------
+        slice
+
+        Raises
+        ------
+        OspaceError
+            The joint is unknown; the message names the nearest.
+        """
         j = self.joint_number(name)
         return slice(self.model.idx_vs[j] - BASE_NV, self.model.idx_vs[j] + self.model.nvs[j] - BASE_NV)
 

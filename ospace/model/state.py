@@ -72,18 +72,51 @@ class State:
 
         There the base has neither a distance to the origin nor a linear velocity, which cost no digit then. Momentum
         is the one quantity of the paper that is another one there.
+
+        Returns
+        -------
+        q : (nq,)
+            With the base at the origin; m, rad.
+        v : (nv,)
+            With the base's linear velocity zero; base axes; m/s, rad/s.
         """
         q, v = self.q.copy(), self.v.copy()
         q[:3] = v[:3] = 0.0
         return q, v
 
     def placement(self, point: OperationalPoint) -> pin.SE3:
-        """Return the pose T_WE of an operational point in the inertial frame, m; `OspaceError` if another robot's."""
+        """Return the pose T_WE of an operational point in the inertial frame.
+
+        Parameters
+        ----------
+        point : OperationalPoint
+            Of the state's robot.
+
+        Returns
+        -------
+        pin.SE3
+            m.
+
+        Raises
+        ------
+        OspaceError
+            The point is another robot's.
+        """
         T_BE = self.placement_about_base(point)
         return pin.SE3(T_BE.rotation, T_BE.translation + self.q[:3])
 
     def placement_about_base(self, point: OperationalPoint) -> pin.SE3:
-        """Return the pose of an operational point, inertial axes, as seen from the base: exact wherever that is, m.
+        """Return the pose of an operational point about the base's origin, inertial axes: exact wherever that is.
+
+        Parameters
+        ----------
+        point : OperationalPoint
+            Of the state's robot.
+
+        Returns
+        -------
+        pin.SE3
+            m.
 
         Raises
         ------
@@ -96,7 +129,18 @@ class State:
         return pin.SE3(R, self.table("r")[link]) * point.placement
 
     def table(self, name: str) -> Floats:
-        """Return a view of one of the tables in `links`."""
+        """Return a view of one of the tables in `links`.
+
+        Parameters
+        ----------
+        name : str
+            A table that a pass over the links leaves, as `ospace.kernels.workspace` names it.
+
+        Returns
+        -------
+        array
+            Its rows; shared with the state.
+        """
         return view_of_links(self.links, name, len(self.robot.links.parent), self.robot.nv)
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -16,12 +16,26 @@ def _folder() -> Path:
 
 
 def names() -> list[str]:
-    """Return the names that `path` knows."""
+    """Return the names that `path` knows.
+
+    Returns
+    -------
+    list of str
+        In alphabetical order.
+    """
     return sorted(file.stem for file in _folder().glob("*.urdf"))
 
 
 def path(name: str) -> Path:
     """Return the URDF of the robot called `name`, such as ``"chaser_24dof"``.
+
+    Parameters
+    ----------
+    name : str
+
+    Returns
+    -------
+    Path
 
     Raises
     ------
@@ -34,7 +48,17 @@ def path(name: str) -> Path:
 
 
 def summary(name: str) -> str:
-    """Return what the robot called `name` is: the first sentence of its file's header, after the name.
+    """Return the first sentence of the header of a robot's file, after its name.
+
+    Parameters
+    ----------
+    name : str
+        Of the robot.
+
+    Returns
+    -------
+    str
+        Empty where the file has no such sentence.
 
     Raises
     ------
@@ -47,12 +71,26 @@ def summary(name: str) -> str:
 
 
 def scenarios() -> list[str]:
-    """Return the names that `scenario` knows."""
+    """Return the names that `scenario` knows.
+
+    Returns
+    -------
+    list of str
+        In alphabetical order.
+    """
     return sorted(file.stem for file in (_folder() / "scenarios").glob("*.toml"))
 
 
 def scenario(name: str) -> Path:
     """Return the scenario called `name`, such as ``"grasp"``.
+
+    Parameters
+    ----------
+    name : str
+
+    Returns
+    -------
+    Path
 
     Raises
     ------
@@ -67,7 +105,16 @@ def scenario(name: str) -> Path:
 
 
 def scenario_summary(name: str) -> str:
-    """Return what the scenario called `name` shows: the name that its file gives it.
+    """Return the name that the file of a scenario gives it.
+
+    Parameters
+    ----------
+    name : str
+        Of the scenario, as `scenarios` lists it.
+
+    Returns
+    -------
+    str
 
     Raises
     ------

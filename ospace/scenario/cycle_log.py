@@ -73,7 +73,7 @@ class CycleLog:
 
     @property
     def cycle_time(self) -> Floats:
-        """What each took (N,), s."""
+        """Time that each took (N,), s."""
         return np.array([cycle.taken for cycle in self._cycles])
 
     @property

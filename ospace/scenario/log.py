@@ -121,7 +121,16 @@ class Log(Verdict):
 
 
 def of(run: Run) -> Log:
-    """Return the log of a run."""
+    """Return the log of a run.
+
+    Parameters
+    ----------
+    run : Run
+
+    Returns
+    -------
+    Log
+    """
     return Log(
         scenario=run.scenario.source,
         name=run.scenario.name,
@@ -158,7 +167,19 @@ _FORMAT = "ospace run 2"
 
 
 def save(run: Run | Log, path: str | os.PathLike[str]) -> Path:
-    """Write a run to ``path``, compressed; the suffix is ``.npz``. The file appears when it is whole."""
+    """Write a run to a file, compressed, which appears when it is whole.
+
+    Parameters
+    ----------
+    run : Run or Log
+    path : path-like
+        Its suffix is replaced with ``.npz``.
+
+    Returns
+    -------
+    Path
+        Of the file.
+    """
     file = Path(path).with_suffix(".npz")
     with replacing(file) as part:
         np.savez_compressed(part, **_content(run if isinstance(run, Log) else of(run)))
@@ -167,6 +188,14 @@ def save(run: Run | Log, path: str | os.PathLike[str]) -> Path:
 
 def load(path: str | os.PathLike[str]) -> Log:
     """Read what `save` wrote.
+
+    Parameters
+    ----------
+    path : path-like
+
+    Returns
+    -------
+    Log
 
     Raises
     ------
@@ -346,7 +375,16 @@ def _fit_times(name: str, time: Floats) -> int:
 def to_csv(run: Run, folder: str | os.PathLike[str]) -> list[Path]:
     """Write a run to a folder: ``phases.csv``, ``errors_<k>_<phase>.csv``, and a folder for each segment.
 
-    Returns the paths of the files.
+    Parameters
+    ----------
+    run : Run
+    folder : path-like
+        Made where it is not there.
+
+    Returns
+    -------
+    list of Path
+        Of the files.
     """
     to = Path(folder)
     to.mkdir(parents=True, exist_ok=True)

@@ -120,18 +120,52 @@ class FreeMotion:
         self.certificates: list[Certificate] = []
 
     def state(self, cycle: int) -> State:
-        """Return the target's state."""
+        """Return the target's state at a cycle.
+
+        Parameters
+        ----------
+        cycle : int
+            From the start of the run; not before `first`.
+
+        Returns
+        -------
+        State
+        """
         self._reach(cycle)
         return self.robot.state(self._q[cycle - self.first], self._v[cycle - self.first])
 
     def states(self, first: int, last: int) -> tuple[Floats, Floats]:
-        """Return q and v from one cycle to before another."""
+        """Return q and v from one cycle to before another.
+
+        Parameters
+        ----------
+        first, last : int
+            Cycles.
+
+        Returns
+        -------
+        q : (last − first, nq)
+            m, rad.
+        v : (last − first, nv)
+            Base twist in base axes; m/s, rad/s.
+        """
         self._reach(last - 1)
         taken = slice(first - self.first, last - self.first)
         return np.array(self._q[taken]), np.array(self._v[taken])
 
     def frame(self, point: OperationalPoint) -> Goal:
-        """Return the motion of a point of the target as a goal."""
+        """Return the motion of a point of the target as a goal.
+
+        Parameters
+        ----------
+        point : OperationalPoint
+            Of the target.
+
+        Returns
+        -------
+        callable
+            From two cycles to the point's pose, velocity and acceleration at each from the one to before the other.
+        """
         plant = Plant(self.robot)
 
         def motion(first: int, last: int) -> Motion:
@@ -168,7 +202,7 @@ class FreeMotion:
 
 
 class Approach:
-    """What a task follows: from a point's motion to a goal's, by minimum jerk; callable as `control.Function` asks.
+    """Reference from a point's motion to a goal's, by minimum jerk; callable as `control.Function` asks.
 
     Parameters
     ----------

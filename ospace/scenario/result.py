@@ -55,7 +55,19 @@ class TaskErrors:
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """How a grasp went; the attributes are those of `ospace.simulation.Grasp`."""
+    """Impulse, loss and errors of a grasp.
+
+    Attributes
+    ----------
+    impulse : (6,)
+        As of `ospace.simulation.Grasp`, like all the others.
+    energy_lost : float
+        J.
+    position_error, angle_error : float
+        m, rad.
+    velocity_error : (6,)
+        m/s, rad/s.
+    """
 
     impulse: Floats
     energy_lost: float
@@ -65,13 +77,22 @@ class Contact:
 
     @classmethod
     def of(cls, held: Grasp) -> Contact:
-        """Take what is to be told from a grasp."""
+        """Take the numbers of a grasp.
+
+        Parameters
+        ----------
+        held : Grasp
+
+        Returns
+        -------
+        Contact
+        """
         return cls(**{one.name: getattr(held, one.name) for one in fields(cls)})
 
 
 @dataclass(frozen=True, eq=False)
 class PhaseResult:
-    """What became of a phase.
+    """Outcome of a phase.
 
     Attributes
     ----------
@@ -147,7 +168,7 @@ class Segment:
 
 
 class Verdict:
-    """What both a run and its log can tell of their phases and certificate."""
+    """Verdict on phases and certificate, of a run as of its log."""
 
     phases: tuple[PhaseResult, ...]
     not_begun: tuple[str, ...]
@@ -156,13 +177,13 @@ class Verdict:
 
     @property
     def complete(self) -> bool:
-        """Whether all phases are complete."""
+        """True where all phases are complete."""
         done = all(phase.outcome == "complete" for phase in self.phases)
         return done and not self.not_begun and not self.interrupted
 
     @property
     def passed(self) -> bool:
-        """Whether all phases are complete and the certificate passed."""
+        """True where all phases are complete and the certificate passed."""
         return self.complete and self.certificate.passed
 
     @property

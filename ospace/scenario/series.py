@@ -106,7 +106,7 @@ def _angular_momenta(errors: TaskErrors) -> Floats | None:
 
 
 def _has(errors: TaskErrors, column: int) -> bool:
-    """Whether the task has linear rows (0), or angular ones or joints (1)."""
+    """Return whether the task has linear rows (0), or angular ones or joints (1)."""
     return not np.isnan(errors.norms[:, column]).all()
 
 
@@ -197,7 +197,7 @@ def _none(log: Log) -> tuple[float, ...]:
 
 @dataclass(frozen=True)
 class _Kind:
-    """How a series is made."""
+    """Recipe of a series."""
 
     title: str
     unit: str

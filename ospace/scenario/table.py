@@ -55,7 +55,7 @@ class Table(BaseModel):
 
     @property
     def key(self) -> str:
-        """Where the table stands in the file."""
+        """Key of the table in the file."""
         return self._key
 
     def __eq__(self, other: object) -> bool:

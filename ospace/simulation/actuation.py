@@ -15,7 +15,7 @@ from ospace.model.robot import SpaceRobot
 
 
 class CommandLike(Protocol):
-    """What a controller returns: constant until the next one, base quantities in inertial axes.
+    """Command that a controller returns: constant until the next one, base quantities in inertial axes.
 
     Attributes
     ----------
@@ -55,10 +55,24 @@ class Actuation:
 
 
 class ControllerLike(Protocol):
-    """What `simulate` calls once a period."""
+    """Controller that `simulate` calls once a period."""
 
     def update(self, time: float, q: Floats, v: Floats) -> CommandLike:
-        """Return the command at `time` (s) for the measured `q` (nq,) and `v` (nv,)."""
+        """Return the command of a period.
+
+        Parameters
+        ----------
+        time : float
+            s.
+        q : (nq,)
+            As measured; m, rad.
+        v : (nv,)
+            As measured, base twist in base axes; m/s, rad/s.
+
+        Returns
+        -------
+        CommandLike
+        """
         ...
 
 

@@ -60,7 +60,7 @@ class Conserved:
 
     @property
     def passed(self) -> bool:
-        """Whether the error is within the limit, of a scale that is a number."""
+        """True where the error is within the limit, of a scale that is a number."""
         return self.error <= self.limit and math.isfinite(self.scale)
 
     def __str__(self) -> str:
@@ -73,7 +73,7 @@ class Conserved:
 
 @dataclass(frozen=True, eq=False)
 class Balance:
-    """How far one quantity of the certificate is off at every record.
+    """Error of one quantity of the certificate at every record.
 
     Attributes
     ----------
@@ -101,7 +101,7 @@ class Balance:
 
 @dataclass(frozen=True)
 class Certificate:
-    """What a run conserved.
+    """Certificate of a run: how well it conserved each quantity.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ class Certificate:
 
     @property
     def passed(self) -> bool:
-        """Whether every quantity is within its limit."""
+        """True where every quantity is within its limit."""
         return all(one.passed for one in self.quantities)
 
     def __getitem__(self, name: str) -> Conserved:
@@ -123,7 +123,7 @@ class Certificate:
 
 
 class Recorded(Protocol):
-    """What balances are taken of: a run in N records, with these attributes of `ospace.simulation.Trajectory`."""
+    """Run in N records, with these attributes of `ospace.simulation.Trajectory`."""
 
     @property
     def time(self) -> Floats: ...  # noqa: D102

@@ -30,7 +30,7 @@ from ospace.urdf.coupling import Following, copy_joint_numbers, couple
 
 @dataclass(frozen=True, eq=False)
 class RowMap:
-    """Where the numbers of one of the two stand: index arrays into its own q and v, and into those of both."""
+    """Places of the numbers of one of the two: index arrays into its own q and v, and into those of both."""
 
     own_q: Ints
     own_v: Ints

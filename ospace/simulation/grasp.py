@@ -67,7 +67,20 @@ class Grasp:
         return self._joined.robot
 
     def release(self, q: npt.ArrayLike, v: npt.ArrayLike) -> tuple[State, State]:
-        """Return the states of chaser and target that let go of each other in the combined robot's state (q, v)."""
+        """Return the states of chaser and target that let go of each other.
+
+        Parameters
+        ----------
+        q : (nq,)
+            Of the combined robot; m, rad.
+        v : (nv,)
+            Of the combined robot; m/s, rad/s.
+
+        Returns
+        -------
+        chaser, target : State
+            Of the robots that they were before the grasp.
+        """
         return release(self, q, v)
 
 
@@ -80,6 +93,11 @@ def grasp(chaser: State, hand: OperationalPoint, target: State, fixture: Operati
         Just before; in the same inertial frame.
     hand, fixture : OperationalPoint
         Of chaser and target; all six rows are fixed, whatever rows they take.
+
+    Returns
+    -------
+    Grasp
+        The combined robot in the state after the impact, the impulse, and what was lost.
 
     Raises
     ------

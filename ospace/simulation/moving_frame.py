@@ -37,7 +37,7 @@ class MovingFrame:
 
     @property
     def moves(self) -> bool:
-        """Whether it has a velocity."""
+        """True where it has a velocity."""
         return bool(self.velocity.any())
 
     @property

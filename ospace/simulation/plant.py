@@ -85,7 +85,7 @@ class Plant:
 
     @property
     def isolated(self) -> bool:
-        """Whether nothing from outside acts on the robot now."""
+        """Return whether nothing from outside acts on the robot now."""
         return not self._pushed and not self._external
 
     def hold(self, command: CommandLike, time: float) -> None:

@@ -45,7 +45,7 @@ _MOST_DOUBLINGS = 5
 
 @dataclass
 class Motion:
-    """What is integrated.
+    """Motion that is integrated.
 
     Attributes
     ----------
@@ -105,7 +105,7 @@ class RungeKutta4:
         motion.work, motion.dissipated = trial.work, trial.dissipated
 
     def _kept(self, before: Motion, after: Motion) -> bool:
-        """Whether a step kept the balance of energy; also where that is no longer finite, which is told elsewhere."""
+        """Return whether a step kept the balance of energy, or it is not finite, which is reported elsewhere."""
         energies = [self.plant.momentum(one.q, one.v)[2] for one in (before, after)]
         work = after.work - before.work
         off = energies[1] - energies[0] - work + after.dissipated - before.dissipated

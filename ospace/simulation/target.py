@@ -39,6 +39,11 @@ def rigid_body(
     frames : mapping of str to pin.SE3, optional
         Further frames of the body, such as grapple fixtures, as seen from the body's frame.
 
+    Returns
+    -------
+    SpaceRobot
+        Without joints.
+
     Raises
     ------
     OspaceError
@@ -94,6 +99,10 @@ def tumbling(
         Velocity of the mass centre, inertial axes, m/s.
     joints : mapping of joint name to position, optional
         As of `SpaceRobot.configuration`.
+
+    Returns
+    -------
+    State
     """
     omega = checked_vector(spin, 3, "spin", target.name)
     velocity = checked_vector(drift, 3, "drift", target.name)

@@ -22,7 +22,7 @@ from ospace.simulation.certificate import Certificate, certify
 
 @dataclass(frozen=True)
 class Excess:
-    """How far a joint was beyond a limit, at its farthest.
+    """Largest distance of a joint beyond a limit.
 
     Attributes
     ----------
@@ -124,13 +124,32 @@ class Trajectory:
         return momentum
 
     def certificate(self) -> Certificate:
-        """Check what the laws of motion conserve; see `ospace.simulation.certificate`."""
+        """Check what the laws of motion conserve; see `ospace.simulation.certificate`.
+
+        Returns
+        -------
+        Certificate
+        """
         return certify(self)
 
     def at(self, robot: SpaceRobot, time: float) -> tuple[Floats, Floats]:
-        """Return (q, v) at `time`, s: on the geodesic between the records on either side, exact on a record.
+        """Return (q, v) on the geodesic between the records on either side, exact on a record.
 
         The geodesic is that of the moving frame, so that a base in orbit is placed as well as one at rest.
+
+        Parameters
+        ----------
+        robot : SpaceRobot
+            Of the trajectory.
+        time : float
+            s.
+
+        Returns
+        -------
+        q : (nq,)
+            m, rad.
+        v : (nv,)
+            Base twist in base axes; m/s, rad/s.
 
         Raises
         ------
@@ -156,7 +175,18 @@ class Trajectory:
     # -- files -----------------------------------------------------------------------------------------------
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write everything to ``path``, compressed; the suffix is ``.npz``. Return the file's path."""
+        """Write everything to a file, compressed.
+
+        Parameters
+        ----------
+        path : path-like
+            Its suffix is replaced with ``.npz``.
+
+        Returns
+        -------
+        Path
+            Of the file.
+        """
         file = Path(path).with_suffix(".npz")
         content = {one.name: getattr(self, one.name) for one in fields(self)}
         beyond = {joint: asdict(excess) for joint, excess in self.outside_limits.items()}
@@ -165,7 +195,21 @@ class Trajectory:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
-        """Read what `save` wrote; raises `OspaceError` if the file cannot be read or holds something else."""
+        """Read what `save` wrote.
+
+        Parameters
+        ----------
+        path : path-like
+
+        Returns
+        -------
+        Trajectory
+
+        Raises
+        ------
+        OspaceError
+            The file cannot be read, or holds something else.
+        """
         stored = arrays(path, "trajectory")
         missing = [one.name for one in fields(cls) if one.name not in stored]
         if missing or len(stored) != len(fields(cls)):
@@ -178,9 +222,17 @@ class Trajectory:
         return cls(**content | {"outside_limits": beyond})
 
     def to_csv(self, folder: str | os.PathLike[str]) -> list[Path]:
-        """Write each quantity to a file ``<quantity>.csv`` in `folder`: a line of names, then time and numbers.
+        """Write each quantity to a file ``<quantity>.csv``: a line of names, then time and numbers.
 
-        Returns the paths of the files.
+        Parameters
+        ----------
+        folder : path-like
+            Made where it is not there.
+
+        Returns
+        -------
+        list of Path
+            Of the files.
         """
         to = Path(folder)
         to.mkdir(parents=True, exist_ok=True)

@@ -32,7 +32,7 @@ _READ_ENCODINGS = re.compile(
 
 @dataclass(frozen=True)
 class Text:
-    """What a file holds, in UTF-8, line for line.
+    """Content of a file, in UTF-8, line for line.
 
     Attributes
     ----------

@@ -48,7 +48,7 @@ _REJECTED = {
 
 @dataclass(frozen=True)
 class _Difference:
-    """What differs, and links and joints a finding on which may explain it."""
+    """Difference, with links and joints a finding on which may explain it."""
 
     message: str
     subjects: frozenset[str]

@@ -27,7 +27,7 @@ _NO_INERTIAL = {"inertial-unreadable", "number-range", "two-orientations", "iner
 
 @dataclass(frozen=True)
 class Reading:
-    """What a URDF holds.
+    """Content of a URDF.
 
     Attributes
     ----------

@@ -40,7 +40,7 @@ _DEEPEST, _LONGEST = 256, 10_000_000  # libxml2's own bounds on depth and on the
 
 @dataclass(frozen=True)
 class Limits:
-    """How large a file, and the robot in it, may be.
+    """Largest size of a file, and of the robot in it.
 
     Attributes
     ----------

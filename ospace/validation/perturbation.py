@@ -30,7 +30,7 @@ class Factor(NamedTuple):
 
 
 class InversePerturbation:
-    """How far products L A⁺ R may be off, where δA = D⁻¹ E D⁻¹ with ‖E‖ ≤ `off` units of rounding.
+    """Bound on the error of products L A⁺ R, where δA = D⁻¹ E D⁻¹ with ‖E‖ ≤ `off` units of rounding.
 
     D = diag(`scale`). At full rank D A D is inverted, else A as it stands: the inversion adds one unit of the size of
     what it inverts.

@@ -31,7 +31,7 @@ _INTERPRETED, _COMPILED = 3, 64  # states of the batch: an odd number, so that t
 
 @dataclass(frozen=True)
 class ModelFacts:
-    """What a robot is, at zero joint positions; lengths and axes from the base-link frame."""
+    """Facts of a robot at zero joint positions; lengths and axes from the base-link frame."""
 
     name: str
     bodies: int

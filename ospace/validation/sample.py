@@ -108,7 +108,7 @@ class Sample:
 
     @cached_property
     def unit(self) -> float:
-        """What rounding may amount to where nothing is inverted and nothing cancels."""
+        """Bound on rounding where nothing is inverted and nothing cancels."""
         return self.robot.nv * FACTOR * float(np.finfo(float).eps)
 
     @cached_property
@@ -199,7 +199,7 @@ class Sample:
 
     @cached_property
     def Lambda(self) -> InversePerturbation:
-        """How far Λ may be off."""
+        """Bound on the error of Λ."""
         condition = self.condition_H_b * self.reach + self.point_lever**0.5
         value, dense = self.floating.floating_inertia_inverse, self.dense
         inertia = np.diag(dense.H_m_star)

@@ -19,7 +19,18 @@ from ospace.model.robot import SpaceRobot
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DampingTask(Task):
-    """Joint rates fall with the rate 2 ζ √stiffness, 1/s."""
+    """Joint rates fall with the rate 2 ζ √stiffness, 1/s.
+
+    Attributes
+    ----------
+    reference : None
+        Rates fall to zero; the other attributes are those of `Task`.
+
+    Raises
+    ------
+    OspaceError
+        A reference is given, or what `Task` refuses.
+    """
 
     weight: float = 1e-3
 

@@ -26,6 +26,11 @@ class LookAtTask(Task):
     point : OperationalPoint
     axis : (3,)
         What looks, in the point's axes; of any length but zero.
+
+    Raises
+    ------
+    OspaceError
+        The axis is not of three finite numbers, or is zero.
     """
 
     point: OperationalPoint
@@ -45,7 +50,7 @@ class LookAtTask(Task):
 
     @property
     def points(self) -> tuple[OperationalPoint, ...]:
-        """What looks."""
+        """The point whose axis looks."""
         return (self.point,)
 
     @property

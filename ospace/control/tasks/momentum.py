@@ -26,6 +26,11 @@ class MomentumTask(Task):
     Attributes
     ----------
     axes : "all", "linear", "angular" or six booleans
+
+    Raises
+    ------
+    OspaceError
+        The reference is a `MinimumJerk`, or what `Task` refuses.
     """
 
     axes: Axes = "angular"

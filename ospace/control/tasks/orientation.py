@@ -10,6 +10,13 @@ from ospace.control.tasks.pose import PoseTask
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class OrientationTask(PoseTask):
-    """The orientation of a point follows that of the reference; rotation about x, y, z, inertial axes."""
+    """The orientation of a point follows that of the reference; rotation about x, y, z, inertial axes.
+
+    Attributes
+    ----------
+    point : OperationalPoint
+    axes : "all", "linear", "angular" or six booleans
+        Of the rows offered.
+    """
 
     offered: ClassVar[tuple[int, ...]] = (3, 4, 5)

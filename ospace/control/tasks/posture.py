@@ -29,6 +29,11 @@ class PostureTask(Task):
     posture : mapping of joint name to position, optional
         rad, or m for prismatic joints, and as `SpaceRobot.configuration` takes it for any other; without it, all
         joints stay where they are in the first cycle.
+
+    Raises
+    ------
+    OspaceError
+        A reference is given: a posture is none.
     """
 
     posture: Mapping[str, Position] | None = None

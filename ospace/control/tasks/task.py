@@ -22,7 +22,7 @@ from ospace.model.robot import SpaceRobot
 
 @dataclass(frozen=True)
 class Completion:
-    """When a task counts as done: all errors below their bounds for some time without a break.
+    """Completion of a task: all errors below their bounds for some time without a break.
 
     Attributes
     ----------
@@ -33,6 +33,11 @@ class Completion:
         momentum task N m s, of a damping task rad/s.
     hold : float
         s.
+
+    Raises
+    ------
+    OspaceError
+        A bound is not above zero, the time to hold is negative or not finite, or nothing is bounded.
     """
 
     position: float = math.inf
@@ -50,7 +55,7 @@ class Completion:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Task(ABC):
-    """What a controller is to do; errors fall as those of a spring with a damper.
+    """Goal of a controller, with its weight or level; errors fall as those of a spring with a damper.
 
     Attributes
     ----------
@@ -67,6 +72,11 @@ class Task(ABC):
     completion : Completion, optional
     reference : Constant, MinimumJerk or Function, optional
         What to follow; for most tasks, what is there at the first cycle if it is left out.
+
+    Raises
+    ------
+    OspaceError
+        A number is negative or not finite, the level is no whole number, or the reference is none.
     """
 
     name: str
@@ -94,7 +104,19 @@ class Task(ABC):
             raise OspaceError(f"{given}: give a Constant, a MinimumJerk or a Function")
 
     def check(self, robot: SpaceRobot, base: Base) -> None:  # noqa: B027 (most make sense for any robot)
-        """Raise `OspaceError` where the task makes no sense for a robot whose base is acted upon so."""
+        """Check that a robot whose base is acted upon so can do the task.
+
+        Parameters
+        ----------
+        robot : SpaceRobot
+        base : Base
+            Wrench on the base that the controller may use.
+
+        Raises
+        ------
+        OspaceError
+            It cannot.
+        """
 
     @property
     def gain(self) -> tuple[float, float]:
@@ -114,6 +136,16 @@ class Task(ABC):
     def redirected(self, reference: Reference | Mapping[str, Any]) -> Task:
         """Return the same task with another reference.
 
+        Parameters
+        ----------
+        reference : Constant, MinimumJerk, Function, or mapping of joint name to position
+            The last is for a `PostureTask`.
+
+        Returns
+        -------
+        Task
+            Of the same class.
+
         Raises
         ------
         OspaceError
@@ -125,23 +157,73 @@ class Task(ABC):
         return made
 
     def write(self, robot: SpaceRobot, q: Floats) -> None:  # noqa: B027 (most hold no joints)
-        """Put the joints that the task holds somewhere at their positions in `q` (nq,)."""
+        """Write the positions at which the task holds joints to `q`.
+
+        Parameters
+        ----------
+        robot : SpaceRobot
+        q : (nq,)
+            Overwritten where the task holds a joint; rad, m.
+        """
 
     def is_within(self, bounds: Completion, rows: Ints, error: Floats) -> bool:
-        """Return whether the `error` of its `rows` is within `bounds`."""
+        """Return whether an error is within the bounds of a completion.
+
+        Parameters
+        ----------
+        bounds : Completion
+        rows : (r,)
+            As of `rows`.
+        error : (r,)
+            Of each row; m, rad.
+
+        Returns
+        -------
+        bool
+        """
         position, angle = np.linalg.norm(error[rows < 3]), np.linalg.norm(error[rows >= 3])
         return bool(position <= bounds.position and angle <= bounds.angle)
 
     @abstractmethod
     def rows(self, robot: SpaceRobot) -> list[int]:
-        """Return which of six components, or which joints, the rows are."""
+        """Return the components of each row: of six for a point, of n for joints.
+
+        Parameters
+        ----------
+        robot : SpaceRobot
+
+        Returns
+        -------
+        list of int
+        """
 
     def row_names(self, robot: SpaceRobot) -> list[str]:
-        """Names of the rows."""
+        """Return the names of the rows, as ``task.x``.
+
+        Parameters
+        ----------
+        robot : SpaceRobot
+
+        Returns
+        -------
+        list of str
+        """
         return [f"{self.name}.{ROW_NAMES[row]}" for row in self.rows(robot)]
 
     def initial(self, poses: list[pin.SE3], mass_centre: np.ndarray) -> pin.SE3:
-        """Return the pose to hold where there is no reference, of the poses of `points` in the first cycle."""
+        """Return the pose to hold where there is no reference.
+
+        Parameters
+        ----------
+        poses : list of pin.SE3
+            Of the task's `points` in the first cycle, inertial axes; m.
+        mass_centre : (3,)
+            In the first cycle, inertial axes; m.
+
+        Returns
+        -------
+        pin.SE3
+        """
         return poses[0] if poses else pin.SE3.Identity()
 
 

@@ -105,7 +105,7 @@ def refuse_other_types(entry: Any, arguments: Iterable[Any]) -> None:
 
 
 class _Compilation:
-    """What numba calls to compile an entry for arguments of other types than it has seen.
+    """Compilation of an entry for arguments of types that numba has not seen.
 
     A read-only array is another type to numba, but machine code that only reads it is the same: it is registered for
     both. LLVM gathers scalar arithmetic into vectors, which makes one state a quarter faster; numba has that off

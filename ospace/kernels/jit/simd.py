@@ -243,7 +243,7 @@ def _nothing(typing: Any, width: Any) -> Any:
 
 @cache
 def widest() -> int:
-    """How many doubles this machine's processor takes in one vector."""
+    """Return the number of doubles that this machine's processor takes in one vector."""
     try:
         features = llvmlite.binding.get_host_cpu_features()
     except RuntimeError:  # not told on this platform

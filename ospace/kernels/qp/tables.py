@@ -13,7 +13,7 @@ POSITION, VELOCITY, ACCELERATION = range(3)
 
 
 class ProgramLimits(NamedTuple):
-    """What must not be passed; ±`UNLIMITED` where there is no limit."""
+    """Joint and base limits; ±`UNLIMITED` where there is none."""
 
     torque: Floats
     """(2, n) lower, upper."""
@@ -56,7 +56,7 @@ class Program(NamedTuple):
 
 
 class Weights(NamedTuple):
-    """What counts how much."""
+    """Task weights and regularization."""
 
     task: Floats
     """(T,); zero for tasks of a strict level."""
@@ -73,7 +73,7 @@ class Weights(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """What comes of a solution."""
+    """Quantities of a solution."""
 
     torque: Floats
     base_acceleration: Floats

@@ -88,7 +88,7 @@ def write_task_rows(tasks: Tasks, rows: TaskRows, t: int, error: Vec6, rate: Vec
 
 @inlined
 def saturation_factor(square: float) -> float:
-    """What is left of an acceleration, by its square, when it is cut to `LARGEST`."""
+    """Factor that cuts an acceleration to `LARGEST`, by its square."""
     return LARGEST / math.sqrt(square) if square > LARGEST * LARGEST else 1.0
 
 

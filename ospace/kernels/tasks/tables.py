@@ -54,7 +54,7 @@ class BaseActuation(NamedTuple):
 
 
 class TaskRows(NamedTuple):
-    """What the tasks demand, row by row: A z = b."""
+    """Demands of the tasks, row by row: A z = b."""
 
     A: Floats
     b: Floats

@@ -71,7 +71,7 @@ class LimitsTable(Table):
 
 
 class ControlTable(Table):
-    """How control and simulation go."""
+    """Times, solver and integrator of control and simulation."""
 
     period: Period = Field(1e-3, description="Of the control cycle, a whole number of steps")
     step: Period = Field(1e-3, description="Of the integrator; the period if that is shorter")

@@ -51,7 +51,7 @@ class PhaseTable(Table):
 
     @property
     def changes_robot(self) -> bool:
-        """Whether the phases after it have another robot: the target is grasped or let go."""
+        """True where the phases after it have another robot: the target is grasped or let go."""
         return self.release or self.grasp is not None
 
     @property

@@ -53,7 +53,7 @@ def _amount(limit: float | Floats) -> float | tuple[float, float, float]:
 
 
 class BaseTable(MadeTable):
-    """What acts on the base."""
+    """Thrusters and wheels of the base."""
 
     force: Annotated[float | Floats, _per_axis("force")] = Field(
         0.0, description="Largest along each base axis, or three"
@@ -107,7 +107,7 @@ class BodyTable(Table):
 
 
 class TargetTable(PoseTable):
-    """What the chaser can grasp."""
+    """Target of the chaser."""
 
     model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": ["model"]}, {"required": ["body"]}]})
     model: Text | None = Field(None, description="A URDF, relative to the scenario, or a model that comes with ospace")

@@ -74,7 +74,7 @@ AxesKey = Annotated[
 
 
 class CompletionTable(MadeTable):
-    """When a task counts as done."""
+    """Completion of a task."""
 
     position: Annotated[float, Quantity("length", above=0.0, infinite=True)] = unbounded_field(
         "Largest norm of the linear error"
@@ -90,7 +90,7 @@ class CompletionTable(MadeTable):
 
 
 class MomentumCompletion(CompletionTable):
-    """When a momentum task counts as done."""
+    """Completion of a momentum task."""
 
     position: Annotated[float, Quantity("momentum", above=0.0, infinite=True)] = unbounded_field(
         "Largest norm of the error of linear momentum"
@@ -123,7 +123,7 @@ class TaskTable(Table):
 
     @property
     def motion(self) -> float:
-        """How long its motion takes, s."""
+        """Time that its motion takes, s."""
         return self.followed.duration if self.followed is not None else 0.0
 
     @property

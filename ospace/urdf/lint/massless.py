@@ -25,7 +25,7 @@ _SEED = 0
 
 @dataclass(frozen=True)
 class Motion:
-    """How a joint moves its body in some configuration, as far as rotation goes.
+    """Rotation that a joint gives its body in some configuration.
 
     Attributes
     ----------
