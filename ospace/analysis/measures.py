@@ -21,7 +21,7 @@ BASES = ("floating", "fixed", "fixed attitude")
 
 @dataclass(frozen=True)
 class DisturbanceMap:
-    """How much joint rates move the base: singular values of rows of J_b* and where they lie in the joint space.
+    """Disturbance of the base by joint rates: singular values of rows of J_b*, and their directions.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class DisturbanceMap:
 
 @dataclass(frozen=True)
 class ImpulseMap:
-    """What a unit impulse at a point of the free-flying robot does.
+    """Jumps of the velocities of a free-flying robot per unit impulse at a point.
 
     Attributes
     ----------

@@ -42,6 +42,11 @@ class Part:
         Link of a body in a few words; ``bus`` for the first part, ``body`` for others without it.
     xacro_args : mapping of str to str
         Values of the <xacro:arg> of a xacro.
+
+    Raises
+    ------
+    OspaceError
+        Source, placement, prefix or names of links make no sense.
     """
 
     source: str | os.PathLike[str]
