@@ -190,7 +190,14 @@ def _frames(given: argparse.Namespace) -> tuple[int, str]:
     from ospace.urdf import reader
 
     folders = [Path(folder) for folder in package_dirs(given)]
-    reading = reader.read(find(given.urdf), package_dirs=folders, limits=_limits(given), free_mimic=given.free_mimic)
+    reading = reader.read(
+        find(given.urdf),
+        package_dirs=folders,
+        xacro_args=given.xacro_args,
+        limits=_limits(given),
+        free_mimic=given.free_mimic,
+        root=given.root,
+    )
     text = frames.document(reading) if given.json else frames.table(reading, given.urdf)
     return EXIT_FINDINGS if reading.model is None else 0, text
 

@@ -356,3 +356,8 @@ def test_ctrl_c_ends_the_expansion(arm):
     assert (process.returncode, out, err) == (130, "", "ospace: interrupted\n")
     state = Path(f"/proc/{child}/stat")
     assert not state.exists() or state.read_text().split()[2] == "Z"  # dead, where nobody takes note of it
+
+
+def test_a_xacro_can_be_a_part_of_a_composed_robot(arm):
+    made = ospace.compose("box:1x1x1m,250kg", arm)
+    assert made.total_mass == pytest.approx(263.5, abs=1e-9)
