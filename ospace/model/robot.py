@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
-from ospace.checks import checked_vector
+from ospace.checks import checked_numbers, checked_vector
 from ospace.exceptions import OspaceError, closest
 from ospace.kernels.tree import Floats
 from ospace.model.joint_positions import ROUNDING, BoundedCoordinates, Position, from_q, to_q
@@ -275,6 +275,46 @@ class SpaceRobot(Layout):
         if not np.isfinite(q[:BASE_NQ]).all():
             raise OspaceError("T_WB is not finite")
         return q
+
+    def configurations(self, joints: Mapping[str, npt.ArrayLike], T_WB: pin.SE3 | None = None) -> Floats:
+        """Build many `q` from a base pose and arrays of joint positions by name; what is not named stays at zero.
+
+        Parameters
+        ----------
+        joints : mapping of joint name to (N,) array or number
+            Angles (rad) or displacements (m) of joints with one degree of freedom; a number stands for all rows.
+        T_WB : pin.SE3, optional
+            Pose of the base in the inertial frame, in all rows; identity without it.
+
+        Returns
+        -------
+        (N, nq) array
+            One row where no array is given.
+
+        Raises
+        ------
+        OspaceError
+            A joint is unknown or has several degrees of freedom, arrays differ in length, or a position is not finite.
+        """
+        if not isinstance(joints, Mapping):
+            raise OspaceError(f"joints {joints!r}: give a mapping of joint names to arrays of positions")
+        values = {name: checked_numbers(given, f"positions of joint '{name}'") for name, given in joints.items()}
+        lengths = {name: len(value) for name, value in values.items() if value.ndim == 1}
+        if any(value.ndim > 1 for value in values.values()) or len(set(lengths.values())) > 1:
+            raise OspaceError(
+                f"positions of joints have the shapes { {name: v.shape for name, v in values.items()} }: "
+                f"give numbers, or arrays of one length"
+            )
+        Q = np.tile(self.configuration(T_WB=T_WB), (next(iter(lengths.values()), 1), 1))
+        for name, value in values.items():
+            j = self.joint_number(name)
+            joint, k = self.model.joints[j], self.model.idx_qs[j]
+            if joint.nv != 1:
+                raise OspaceError(
+                    f"joint '{name}' has {joint.nv} degrees of freedom: build its rows by `configuration`"
+                )
+            Q[:, k : k + joint.nq] = value[..., None] if joint.nq == 1 else np.stack([np.cos(value), np.sin(value)], -1)
+        return Q
 
     def joint_positions(self, q: npt.ArrayLike) -> dict[str, Position]:
         """Read joint positions by name from `q`, the inverse of `configuration`; continuous joints in (−π, π].

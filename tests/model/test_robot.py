@@ -469,3 +469,32 @@ def test_excess_is_written_in_the_unit_of_the_joint(tmp_path):
     turning, sliding = (within(tmp_path, kind, -1.0, 1.0).model for kind in ("revolute", "prismatic"))
     assert joint_positions.excess_text(turning, {"hinge": np.deg2rad(4.0)}) == "'hinge' by 0.0698 rad (4 deg)"
     assert joint_positions.excess_text(sliding, {"hinge": 0.02}) == "'hinge' by 0.02 m"
+
+
+def test_many_configurations_are_those_built_one_by_one():
+    robot = trees.tree(2, 4, ("revolute", "continuous", "prismatic", "planar"))
+    rng, T_WB = np.random.default_rng(0), pin.SE3.Random()
+    revolute, continuous, prismatic, planar = robot.joint_names
+    values = {revolute: rng.normal(size=7), continuous: rng.normal(size=7), prismatic: 0.3}
+    Q = robot.configurations(values, T_WB)
+    for k in range(7):
+        row = {revolute: values[revolute][k], continuous: values[continuous][k], prismatic: 0.3}
+        np.testing.assert_allclose(Q[k], robot.configuration(row, T_WB), atol=1e-15)
+    assert robot.configurations({}).shape == (1, robot.nq)
+
+
+@pytest.mark.parametrize(
+    ("joints", "message"),
+    [
+        ({"joint_9": [0.1]}, "no joint 'joint_9'"),
+        ({"joint_3": [0.1]}, "'joint_3' has 3 degrees of freedom"),
+        ({"joint_0": [0.1, 0.2], "joint_2": [0.1]}, "arrays of one length"),
+        ({"joint_0": [[0.1]]}, "arrays of one length"),
+        ({"joint_0": [np.nan]}, "positions of joint 'joint_0'"),
+        ([0.1], "give a mapping"),
+    ],
+)
+def test_configurations_that_make_no_sense_are_refused(joints, message):
+    robot = trees.tree(2, 4, ("revolute", "continuous", "prismatic", "planar"))
+    with pytest.raises(ospace.OspaceError, match=message):
+        robot.configurations(joints)
