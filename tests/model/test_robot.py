@@ -474,7 +474,7 @@ def test_excess_is_written_in_the_unit_of_the_joint(tmp_path):
 def test_many_configurations_are_those_built_one_by_one():
     robot = trees.tree(2, 4, ("revolute", "continuous", "prismatic", "planar"))
     rng, T_WB = np.random.default_rng(0), pin.SE3.Random()
-    revolute, continuous, prismatic, planar = robot.joint_names
+    revolute, continuous, prismatic, _ = robot.joint_names
     values = {revolute: rng.normal(size=7), continuous: rng.normal(size=7), prismatic: 0.3}
     Q = robot.configurations(values, T_WB)
     for k in range(7):
