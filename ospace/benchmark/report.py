@@ -14,9 +14,9 @@ import numpy as np
 import pinocchio as pin
 
 import ospace
-from ospace.benchmark import codegen, growth, peers
-from ospace.benchmark.growth import Growth
-from ospace.benchmark.peers import Contest
+from ospace.benchmark import codegen, pinocchio_baseline, scaling
+from ospace.benchmark.pinocchio_baseline import Comparison
+from ospace.benchmark.scaling import Scaling
 from ospace.benchmark.timing import WINDOWS, Ratio, States, Tick, window_times
 from ospace.dynamics.batch import operational_space_batch
 from ospace.dynamics.operational_space import operational_space
@@ -85,7 +85,7 @@ class Benchmark:
     degrees_of_freedom : int
     states, windows : int
         States that calls rotate over, and windows of time that the ways take turns in.
-    rows, batch, growth : tuples of Row, BatchRow, Growth
+    rows, batch, growth : tuples of Row, BatchRow, Scaling
     """
 
     machine: dict[str, Any]
@@ -95,7 +95,7 @@ class Benchmark:
     windows: int
     rows: tuple[Row, ...]
     batch: tuple[BatchRow, ...]
-    growth: tuple[Growth, ...]
+    growth: tuple[Scaling, ...]
 
     def as_dict(self) -> dict[str, Any]:
         """Return the result as JSON takes it."""
@@ -110,20 +110,20 @@ class Plan:
     ----------
     robot : SpaceRobot
     states : sequence of (q, v)
-    contests : tuple of (p, Contest)
+    comparisons : tuple of (p, Comparison)
     sizes : tuple of int
         Degrees of freedom of the robots of the growth table.
     """
 
     robot: SpaceRobot
     states: States
-    contests: tuple[tuple[int, Contest], ...]
-    sizes: tuple[int, ...] = growth.SIZES
+    comparisons: tuple[tuple[int, Comparison], ...]
+    sizes: tuple[int, ...] = scaling.SIZES
 
     @property
     def turns(self) -> int:
         """Number of times that `run` calls its `tick`."""
-        return WINDOWS * (len(self.contests) + len(_BATCHES) + len(growth.SHAPES) * len(self.sizes))
+        return WINDOWS * (len(self.comparisons) + len(_BATCHES) + len(scaling.SHAPES) * len(self.sizes))
 
 
 def prepare(robot: SpaceRobot, largest: int | None = None, generate_from: Path | None = None) -> Plan:
@@ -151,33 +151,33 @@ def prepare(robot: SpaceRobot, largest: int | None = None, generate_from: Path |
     rng = np.random.default_rng(0)
     drawn = [random_state(robot, rng) for _ in range(STATES)]
     states = [(np.array(state.q), np.array(state.v)) for state in drawn]
-    contests = []
-    for make in peers.CONTESTS:
+    comparisons = []
+    for make in pinocchio_baseline.COMPARISONS:
         for count in counts:
-            points = peers.spread_points(robot, count)
+            points = pinocchio_baseline.spread_points(robot, count)
             independent = operational_space(drawn[0], points).rank == 6 * count
-            if make is peers.read_only_input and count != counts[0]:
+            if make is pinocchio_baseline.read_only_input and count != counts[0]:
                 continue  # what is given does not grow with the points
-            if independent or make not in peers.INVERTING:
-                contest = make(robot, points)
-                contest.check(states)
-                contests.append((count, contest))
+            if independent or make not in pinocchio_baseline.INVERTING:
+                comparison = make(robot, points)
+                comparison.check(states)
+                comparisons.append((count, comparison))
     for count in counts:
         if generate_from is not None and count <= GENERATED_POINTS:
-            contest = codegen.inverse_inertia(robot, peers.spread_points(robot, count), generate_from)
-            contest.check(states)
-            contests.append((count, contest))
-    return Plan(robot, states, tuple(contests))
+            comparison = codegen.inverse_inertia(robot, pinocchio_baseline.spread_points(robot, count), generate_from)
+            comparison.check(states)
+            comparisons.append((count, comparison))
+    return Plan(robot, states, tuple(comparisons))
 
 
 def run(plan: Plan, *, seconds: float, tick: Tick) -> Benchmark:
     """Measure all of the plan, `seconds` for each row, shared by the two ways; `tick` is called after every turn."""
     rows = []
-    for count, contest in plan.contests:
-        times = window_times((contest.ours, contest.theirs), plan.states, seconds=seconds, tick=tick)
-        rows.append(Row(contest.quantity, count, contest.called, Ratio.of(times)))
+    for count, comparison in plan.comparisons:
+        times = window_times((comparison.ours, comparison.theirs), plan.states, seconds=seconds, tick=tick)
+        rows.append(Row(comparison.quantity, count, comparison.called, Ratio.of(times)))
     batch = [_batch(plan, *each, seconds, tick) for each in _BATCHES]
-    grown = [growth.measure(shape, seconds=seconds, sizes=plan.sizes, tick=tick) for shape in growth.SHAPES]
+    grown = [scaling.measure(shape, seconds=seconds, sizes=plan.sizes, tick=tick) for shape in scaling.SHAPES]
     return Benchmark(
         machine(), plan.robot.name, plan.robot.nv, STATES, WINDOWS, tuple(rows), tuple(batch), tuple(grown)
     )
@@ -196,7 +196,7 @@ _BATCHES = (
 def _batch(plan: Plan, output: str, N: int, threads: int | None, fresh: bool, seconds: float, tick: Tick) -> BatchRow:
     """Time one call for many states against a loop over few of them."""
     robot, count = plan.robot, min(BATCH_POINTS, plan.robot.model.njoints - 2)
-    points = peers.spread_points(robot, count)
+    points = pinocchio_baseline.spread_points(robot, count)
     Q = np.array([plan.states[k % STATES][0] for k in range(N)])
     written = operational_space_batch(robot, points, Q, None, (output,), threads=threads)
     out = None if fresh else {output: getattr(written, output)}
@@ -204,7 +204,7 @@ def _batch(plan: Plan, output: str, N: int, threads: int | None, fresh: bool, se
     def ours(q: Floats, v: Floats) -> None:
         operational_space_batch(robot, points, Q, None, (output,), out, threads)
 
-    loop = peers.Pinocchio(robot, points).delassus
+    loop = pinocchio_baseline.Pinocchio(robot, points).delassus
 
     def theirs(q: Floats, v: Floats) -> None:
         for state, velocity in plan.states:

@@ -205,7 +205,7 @@ def _frames(given: argparse.Namespace) -> tuple[int, str]:
 def _fix(given: argparse.Namespace) -> tuple[int, str]:
     from ospace.cli.main import EXIT_FINDINGS, find, package_dirs
     from ospace.urdf import reader, repair
-    from ospace.validation.words import number
+    from ospace.validation.report_text import number
 
     limits, out = _limits(given), Path(given.fix)
     folders = [Path(folder) for folder in package_dirs(given)]
@@ -239,11 +239,11 @@ def _text(result: Report, urdf: str) -> str:
 
 
 def _show(console: Console, result: Report, urdf: str) -> None:
-    from ospace.validation import words
+    from ospace.validation import report_text
 
     if result.model is not None:
         console.print(f"[bold]{plain(result.model.name)}[/]")
-        for name, value in words.facts(result.model):
+        for name, value in report_text.facts(result.model):
             console.print(f"  {name:23} {plain(value)}")
     if result.findings:
         if result.model is not None:
@@ -252,23 +252,25 @@ def _show(console: Console, result: Report, urdf: str) -> None:
     if result.agreement:
         console.print()
         _show_agreement(console, result)
-        console.print(f"\n{words.agreement(result)}")
-    console.print(f"[{_COLOURS[result.verdict]}]{result.verdict}[/]: {plain(urdf)}: {words.summary(result)}")
+        console.print(f"\n{report_text.agreement(result)}")
+    console.print(f"[{_COLOURS[result.verdict]}]{result.verdict}[/]: {plain(urdf)}: {report_text.summary(result)}")
 
 
 def _show_agreement(console: Console, result: Report) -> None:
     """Show each quantity, with what it is checked against, and below it a row for each of its ways in."""
     from itertools import groupby
 
-    from ospace.validation import words
+    from ospace.validation import report_text
 
     console.print("quantity (equations): checked against", style="bold")
     console.print(f"  {'computed by':29}  {'error':>7}  {'bound':>7}  verdict", style="bold")
     for heading, rows in groupby(result.agreement, _quantity):
         console.print(plain(heading))
         for row in rows:
-            numbers = f"{words.error(row.error):>7}  {words.error(row.bound):>7}"
-            console.print(f"  {plain(row.computed_by):29}  {numbers}  [{_COLOURS[row.verdict]}]{words.verdict(row)}[/]")
+            numbers = f"{report_text.error(row.error):>7}  {report_text.error(row.bound):>7}"
+            console.print(
+                f"  {plain(row.computed_by):29}  {numbers}  [{_COLOURS[row.verdict]}]{report_text.verdict(row)}[/]"
+            )
 
 
 def _quantity(row: Agreement) -> str:

@@ -222,7 +222,7 @@ def _check_row(given: argparse.Namespace, row: _Row, *, is_bus: bool) -> None:
 
 
 def _text(robot: Composition, out: str) -> str:
-    from ospace.validation.words import number, position
+    from ospace.validation.report_text import number, position
 
     console = buffered_console(_PIPE_WIDTH, fits_terminal=True)
     console.print(f"{'part':{_NAME}}  {'links':>6}  {'joints':>6}  {'mass kg':>10}", style="bold")
@@ -254,7 +254,7 @@ def _short(name: str) -> str:
 
 def _placing(part: PlacedPart) -> Iterator[str]:
     """Return lines on where a part stands and what was made of it."""
-    from ospace.validation.words import position
+    from ospace.validation.report_text import position
 
     prefix = f"{part.part.prefix} " if part.part.prefix else ""
     if part.on:

@@ -36,7 +36,7 @@ def table(reading: Reading, file: str) -> str:
     -------
     str
     """
-    from ospace.validation.words import number
+    from ospace.validation.report_text import number
 
     robot = reading.description
     lines = [

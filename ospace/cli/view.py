@@ -135,7 +135,7 @@ def _unsound(
     from ospace.cli.main import EXIT_FINDINGS
     from ospace.exceptions import printable
     from ospace.urdf.lint.findings import by_severity
-    from ospace.validation.words import number
+    from ospace.validation.report_text import number
     from ospace.visual import marked_robot, page
     from ospace.visual.robot_geometry import TITLES
     from ospace.visual.scene import checked_layers

@@ -1,4 +1,4 @@
-"""What joints and base must not pass."""
+"""Joint and base limits."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {  # what others take a solution for is to
     "piqp": {"eps_abs": _FINE, "eps_rel": 0.0},
     "scs": {"eps_abs": _TOLERANCE, "eps_rel": 0.0, "max_iters": 200_000},
 }
-_ROUGH = {"ecos": "solves by second-order cones, which leaves half of the digits"}
+_ROUGH = {"ecos": "solves by second-order cones, accurate only to about 1e-4"}
 
 
 def solver_named(name: str) -> Solver:
@@ -109,7 +109,7 @@ def _by_qpsolvers(name: str, program: Program) -> Floats | None:
     G = np.vstack([rows[above], -rows[below]])
     h = np.concatenate([program.upper[above], -program.lower[below]])
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # on formats, and on problems without a solution, which is told here
+        warnings.simplefilter("ignore")  # on formats, and on problems without a solution, which are reported here
         problem = qpsolvers.Problem(program.H, program.f, G, h, rows[equal], program.upper[equal])
         try:
             found = qpsolvers.solve_problem(problem, name, **_OPTIONS.get(name, {}))

@@ -5,7 +5,7 @@ Pinocchio's base twist stands in base axes, the paper's in inertial axes at the 
     ẋ = T v,   H = T H_pin Tᵀ,   J = J_pin Tᵀ,   c = T c_pin − H [ω_b × v_b; 0; 0]
 
 where the last term, which turns Pinocchio's spatial base acceleration into the classical one of the paper, is zero
-for a base without linear velocity. That is how Pinocchio is asked here (`State.beside_base`): about the world
+for a base without linear velocity. That is how Pinocchio is asked here (`State.base_frame_state`): about the world
 origin and at orbital velocity its own arithmetic would lose the digits that it is to check. Where the motion of the
 base itself is what is checked (momentum, accelerations under load), it is asked at the full velocity.
 
@@ -38,7 +38,7 @@ class Dense:
     def __init__(self, state: State, points: Sequence[OperationalPoint]) -> None:
         self.state = state
         self.points = points_of(state.robot, points) if points else ()  # H needs none
-        q, v = state.beside_base()
+        q, v = state.base_frame_state()
         free = state.robot.free
         self._model, self._G = (state.robot.model, np.eye(state.robot.nv)) if free is None else (free.model, free.G)
         self._q, self._v = (q, v) if free is None else (free.configuration(q), free.G @ v)

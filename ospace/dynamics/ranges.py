@@ -1,7 +1,7 @@
 """Inverse of A = J X Jᵀ, X positive definite, on its numerical range.
 
 How many rows are independent is a matter of the Jacobian J alone, and J is known to the last digit where A, which went
-through all masses of the robot, may not be. So the rank is told by J and the inverse taken of A.
+through all masses of the robot, may not be. So the rank is read from J, and the inverse is taken of A.
 """
 
 from __future__ import annotations

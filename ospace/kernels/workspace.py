@@ -150,7 +150,7 @@ class Work(NamedTuple):
     """Λ."""
     floating_bias: Annotated[Table, "rows 1"]
     """μ by composite bodies."""
-    # inverses, and what became of the state
+    # inverses, and diagnostics of the state
     scratch: Annotated[Table, "even+2 wide"]
     scale: Annotated[Table, "rows 1"]
     diagnostics: Annotated[Table, "1 8"]

@@ -67,7 +67,7 @@ class State:
         twist.flags.writeable = False
         return twist
 
-    def beside_base(self) -> tuple[Floats, Floats]:
+    def base_frame_state(self) -> tuple[Floats, Floats]:
         """Return (q, v) as seen from an inertial frame that is centred on the base and moves along with it, now.
 
         There the base has neither a distance to the origin nor a linear velocity, which cost no digit then. Momentum

@@ -63,7 +63,7 @@ def run(
     Run
         Also where a phase timed out, the simulation failed, or Ctrl-C ended it: its `phases` tell.
     """
-    return _Running(scenario, progress or (lambda time: None), watch).run()
+    return _ScenarioRunner(scenario, progress or (lambda time: None), watch).run()
 
 
 class _Phase:
@@ -109,7 +109,7 @@ class _Phase:
         return command
 
     def result(self, segment: int, end: float) -> PhaseResult:
-        """Return what became of it so far."""
+        """Return its outcome so far."""
         outcome = self.outcome or "interrupted"
         reason = ""
         if outcome == "timed out":
@@ -134,7 +134,7 @@ class _Phase:
         )
 
 
-class _Running:
+class _ScenarioRunner:
     def __init__(
         self,
         scenario: Scenario,
@@ -166,7 +166,7 @@ class _Running:
                     segment.append(plans.pop(0))
                 if not self._segment(segment) or not self._act(segment[-1]):
                     break
-        except KeyboardInterrupt:  # between segments; within one it is told by the trajectory
+        except KeyboardInterrupt:  # between segments; within one the trajectory reports it
             self.interrupted = True
         if self.target is not None:
             self.certificates += self.target.certificates
@@ -200,7 +200,7 @@ class _Running:
     def _segment(self, plans: list[PhaseTable]) -> bool:
         """Run the phases up to the next grasp or release; return whether all are complete."""
         robot = self.robot
-        conductor = _Conductor(self, robot, plans)
+        sequencer = _PhaseSequencer(self, robot, plans)
         cycles = sum(math.ceil(plan.timeout / self.period - _ROUNDING) for plan in plans)
         failure, first = "", self.cycle
         try:
@@ -208,18 +208,18 @@ class _Running:
                 robot,
                 self.state.q,
                 self.state.v,
-                conductor,
+                sequencer,
                 duration=cycles * self.ticks * self.step,
                 step=self.step,
                 period=self.period,
                 integrator=self.scenario.control.integrator,
                 wheel_momentum=self.wheels,
                 start=first * self.period,
-                on_step=conductor.stepped,
+                on_step=sequencer.stepped,
             )
         except SimulationError as error:
             trajectory, failure = error.trajectory, str(error)
-        phases = conductor.phases
+        phases = sequencer.phases
         end = float(trajectory.time[-1])
         self.cycle = first + (len(trajectory) - 1) // self.ticks
         self.segments.append(self._recorded(robot, trajectory, first))
@@ -290,25 +290,25 @@ def _nothing(plan: PhaseTable, segment: int, time: float, failure: str) -> Phase
     return PhaseResult(plan.name, segment, time, time, outcome, failure, np.zeros(0), {}, {}, {}, {}, np.zeros(0))
 
 
-class _Conductor:
+class _PhaseSequencer:
     """The controller of a segment: hands over from phase to phase."""
 
-    def __init__(self, running: _Running, robot: SpaceRobot, plans: list[PhaseTable]) -> None:
-        self._running, self._robot, self._plans = running, robot, plans
-        self._cycle, self._steps = running.cycle, 0
-        self._wheels = running.wheels
+    def __init__(self, runner: _ScenarioRunner, robot: SpaceRobot, plans: list[PhaseTable]) -> None:
+        self._runner, self._robot, self._plans = runner, robot, plans
+        self._cycle, self._steps = runner.cycle, 0
+        self._wheels = runner.wheels
         self.phases: list[_Phase] = []
         self._over = False
 
     def update(self, time: float, q: Floats, v: Floats) -> Command:
         if not self.phases or self.phases[-1].outcome == "complete":
-            running = self._running
-            start = Start(self._robot, q, v, self._cycle, running.period, running.target)
-            phase = _Phase(self._plans[len(self.phases)], running.scenario, start, running.shared)
+            runner = self._runner
+            start = Start(self._robot, q, v, self._cycle, runner.period, runner.target)
+            phase = _Phase(self._plans[len(self.phases)], runner.scenario, start, runner.shared)
             phase.controller.wheel_momentum = self._wheels
             self.phases.append(phase)
-        if self._running.watch is not None:
-            self._running.watch(time, lambda: self._running.states(self._cycle, q, v))
+        if self._runner.watch is not None:
+            self._runner.watch(time, lambda: self._runner.states(self._cycle, q, v))
         phase = self.phases[-1]
         command = phase.update(self._cycle, time, q, v)
         self._wheels = phase.controller.wheel_momentum
@@ -321,8 +321,8 @@ class _Conductor:
     def stepped(self, time: float) -> bool:
         """End the run with the last cycle's last step."""
         self._steps += 1
-        self._running.progress(time)
-        return self._over and self._steps % self._running.ticks == 0
+        self._runner.progress(time)
+        return self._over and self._steps % self._runner.ticks == 0
 
 
 def conserved_in_grasp(chaser: State, target: State, held: Grasp, time: float) -> list[Conserved]:

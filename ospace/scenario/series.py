@@ -35,7 +35,7 @@ class Series:
     limits : tuple of float
         What the values should not pass.
     logarithmic : bool
-        Whether the values are told by their decades.
+        True where the values are shown by their decades.
     """
 
     name: str

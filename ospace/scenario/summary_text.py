@@ -1,4 +1,4 @@
-"""What became of a phase, in words: the same for a terminal and for a page."""
+"""Text on the outcome of a phase: the same for a terminal and for a page."""
 
 from __future__ import annotations
 

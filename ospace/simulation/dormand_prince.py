@@ -17,7 +17,7 @@ from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
 from ospace.simulation.lie import LOG, Adjoint, series
 from ospace.simulation.plant import Plant
-from ospace.simulation.runge_kutta import Motion
+from ospace.simulation.runge_kutta import IntegratedMotion
 
 _NODES = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
 _WEIGHTS = np.array(
@@ -48,7 +48,7 @@ class DormandPrince:
         self._adjoint = Adjoint(plant.model)
         self._last = np.inf
 
-    def step(self, t: float, h: float, motion: Motion) -> None:
+    def step(self, t: float, h: float, motion: IntegratedMotion) -> None:
         """Bring `motion` from time `t` to `t` + `h`, s, in as many steps as it takes."""
         done = 0.0
         for _ in range(_MOST_TRIALS):
@@ -72,7 +72,7 @@ class DormandPrince:
             f"without bound, or the tolerance {self.tolerance:g} is below rounding"
         )
 
-    def _try(self, t: float, h: float, motion: Motion) -> tuple[Floats, float]:
+    def _try(self, t: float, h: float, motion: IntegratedMotion) -> tuple[Floats, float]:
         """Return how (u, v, work, impulse, dissipated energy) change in a step, and the error over what is allowed."""
         plant, K, nv = self.plant, self._K, self._nv
         q, v = motion.q, motion.v
@@ -87,7 +87,7 @@ class DormandPrince:
         allowed = self.tolerance * (1.0 + np.abs(v))
         return change, float(max((error[:nv] / allowed).max(), (error[nv:] / allowed).max()))
 
-    def _accept(self, motion: Motion, change: Floats) -> None:
+    def _accept(self, motion: IntegratedMotion, change: Floats) -> None:
         nv = self._nv
         motion.q = pin.integrate(self.plant.model, motion.q, change[:nv])
         motion.v = motion.v + change[nv : 2 * nv]

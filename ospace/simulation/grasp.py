@@ -165,7 +165,7 @@ def release(held: Grasp, q: npt.ArrayLike, v: npt.ArrayLike) -> tuple[State, Sta
     joined = held._joined
     combined = joined.robot.state(q, v)
     frame = MovingFrame.of(combined)
-    q, v = combined.beside_base()
+    q, v = combined.base_frame_state()
     parts = []
     for robot, rows in ((held.chaser.robot, joined.first), (held.target.robot, joined.second)):
         part_q, part_v = pin.neutral(robot.model), np.zeros(robot.nv)

@@ -8,7 +8,7 @@ from typing import Protocol
 from ospace.exceptions import OspaceError, closest
 from ospace.simulation.dormand_prince import DormandPrince
 from ospace.simulation.plant import Plant
-from ospace.simulation.runge_kutta import Motion, RungeKutta4
+from ospace.simulation.runge_kutta import IntegratedMotion, RungeKutta4
 from ospace.simulation.variational import VariationalMidpoint
 
 INTEGRATORS = ("rk4", "symplectic")
@@ -17,7 +17,7 @@ INTEGRATORS = ("rk4", "symplectic")
 class Integrator(Protocol):
     """Advances a motion."""
 
-    def step(self, t: float, h: float, motion: Motion) -> None:
+    def step(self, t: float, h: float, motion: IntegratedMotion) -> None:
         """Bring `motion` from time `t` to `t` + `h`, s, under what the plant holds."""
         ...
 

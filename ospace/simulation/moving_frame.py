@@ -1,7 +1,8 @@
 """The frame in which a motion is integrated: it moves along with the base as the base was at the start.
 
 A base 7e6 m from the origin at 7.5e3 m/s leaves nine digits for a motion of millimetres. Seen from an inertial frame
-that starts at the base with the base's velocity, the same motion has them all, and by Galilei the same equations.
+that starts at the base with the base's velocity, the same motion has them all, and by Galilean
+invariance the same equations.
 """
 
 from __future__ import annotations

@@ -9,12 +9,12 @@ from ospace.model.joint_positions import ROUNDING, BoundedCoordinates, norm_erro
 from ospace.model.robot import SpaceRobot
 from ospace.simulation.moving_frame import MovingFrame
 from ospace.simulation.plant import Plant
-from ospace.simulation.runge_kutta import Motion
+from ospace.simulation.runge_kutta import IntegratedMotion
 from ospace.simulation.trajectory import Excess, Trajectory
 
 
 class Recorder:
-    """Takes down the motion of a plant, at most `records` times."""
+    """Records the motion of a plant, at most `records` times."""
 
     def __init__(self, plant: Plant, frame: MovingFrame, records: int, start: float, integrator: str) -> None:
         self.plant, self.frame, self.start, self.integrator = plant, frame, start, integrator
@@ -27,7 +27,7 @@ class Recorder:
         self._wheel_torque, self._wheel_momentum, self._mass_centre = np.empty((3, records, 3))
         self._energy, self._work, self._dissipated = np.empty((3, records))
 
-    def record(self, elapsed: float, motion: Motion, wheel_momentum: Floats) -> None:
+    def record(self, elapsed: float, motion: IntegratedMotion, wheel_momentum: Floats) -> None:
         """Take down one record, `elapsed` seconds after the start; it counts only when it is whole."""
         plant, k = self.plant, self.count
         self._momentum[k], self._mass_centre[k], self._energy[k] = plant.momentum(motion.q, motion.v)

@@ -44,7 +44,7 @@ _MOST_DOUBLINGS = 5
 
 
 @dataclass
-class Motion:
+class IntegratedMotion:
     """Motion that is integrated.
 
     Attributes
@@ -63,7 +63,7 @@ class Motion:
     impulse: Floats
 
     @classmethod
-    def starting(cls, q: Floats, v: Floats) -> Motion:
+    def starting(cls, q: Floats, v: Floats) -> IntegratedMotion:
         """Return a motion that begins at (q, v)."""
         return cls(q, v, 0.0, 0.0, np.zeros(6))
 
@@ -80,7 +80,7 @@ class RungeKutta4:
         self._parts = 1  # of the last step with friction
         self._scale = 0.0  # of energy so far, J
 
-    def step(self, t: float, h: float, motion: Motion) -> None:
+    def step(self, t: float, h: float, motion: IntegratedMotion) -> None:
         """Bring `motion` from time `t` to `t` + `h`, s."""
         if self.plant.friction is None:
             self._part(t, h, motion)
@@ -104,7 +104,7 @@ class RungeKutta4:
         motion.q, motion.v, motion.impulse = trial.q, trial.v, trial.impulse
         motion.work, motion.dissipated = trial.work, trial.dissipated
 
-    def _kept(self, before: Motion, after: Motion) -> bool:
+    def _kept(self, before: IntegratedMotion, after: IntegratedMotion) -> bool:
         """Return whether a step kept the balance of energy, or it is not finite, which is reported elsewhere."""
         energies = [self.plant.momentum(one.q, one.v)[2] for one in (before, after)]
         work = after.work - before.work
@@ -112,7 +112,7 @@ class RungeKutta4:
         self._scale = max(self._scale, energies[0] + abs(before.work))
         return not abs(off) > _LARGEST_LOSS * (self._scale + abs(work))
 
-    def _part(self, t: float, h: float, motion: Motion) -> None:
+    def _part(self, t: float, h: float, motion: IntegratedMotion) -> None:
         plant, u = self.plant, self._u
         model, accelerate, q, v = plant.model, plant.accelerate, motion.q, motion.v
         (V_1, A_1), (V_2, A_2), (V_3, A_3), (V_4, A_4) = self._stages

@@ -1,4 +1,4 @@
-"""What a controller is told of the state: noise of its sensors."""
+"""Noise of the sensors by which a controller sees the state."""
 
 from __future__ import annotations
 

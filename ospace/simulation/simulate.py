@@ -20,7 +20,7 @@ from ospace.simulation.integrators import integrator_of
 from ospace.simulation.moving_frame import MovingFrame
 from ospace.simulation.plant import Plant, Wrench
 from ospace.simulation.recorder import Recorder
-from ospace.simulation.runge_kutta import Motion
+from ospace.simulation.runge_kutta import IntegratedMotion
 from ospace.simulation.sensor_noise import Noise, Sensors
 from ospace.simulation.trajectory import Trajectory
 
@@ -73,7 +73,7 @@ def simulate(
         External wrenches, inertial axes, at the points, linear first; N, N m. All six rows act, whatever rows the
         point takes.
     noise : Noise, optional
-        Of what the controller is told.
+        Sensor noise on the state that the controller sees.
     delay : float
         From a call of the controller to when its command acts, a whole number of steps, s. Nothing acts before the
         first one does.
@@ -110,7 +110,7 @@ def simulate(
     plant = Plant(robot, wrenches)
     stepper = integrator_of(plant, integrator, tolerance)
     recorder = Recorder(plant, frame, clock.steps // log_every + 2, start, integrator)
-    motion = Motion.starting(*state.beside_base())
+    motion = IntegratedMotion.starting(*state.base_frame_state())
     wheels = checked_vector(wheel_momentum, 3, "wheel_momentum", robot.name)
     driver = (
         None if controller is None else _Driver(law_of(controller, robot), Sensors(robot, noise), frame, plant, clock)
@@ -119,7 +119,7 @@ def simulate(
     interrupted = False
     k = 0
     try:
-        with np.errstate(over="ignore", invalid="ignore"):  # told below
+        with np.errstate(over="ignore", invalid="ignore"):  # reported below
             while k < clock.steps:
                 if driver is not None:
                     driver.drive(k, motion)
@@ -192,7 +192,7 @@ class _Driver:
         self._law, self._sensors, self._frame, self._plant, self._clock = law, sensors, frame, plant, clock
         self._under_way: deque[tuple[int, CommandLike]] = deque()
 
-    def drive(self, k: int, motion: Motion) -> None:
+    def drive(self, k: int, motion: IntegratedMotion) -> None:
         """Do what is due before step `k`."""
         clock, time = self._clock, self._clock.time(k)
         if k % clock.ticks == 0:

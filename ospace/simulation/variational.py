@@ -26,7 +26,7 @@ from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
 from ospace.simulation.lie import EXP, LOG, LOG_BACK, TRANSPORT, Adjoint, series, terms_of
 from ospace.simulation.plant import Plant
-from ospace.simulation.runge_kutta import Motion
+from ospace.simulation.runge_kutta import IntegratedMotion
 
 _AXES_TURN = ("JointModelSphericalZYX", "JointModelUniversal", "JointModelComposite")
 _NO_VECTOR = ("JointModelFreeFlyer", "JointModelPlanar", "JointModelSpherical")
@@ -49,7 +49,7 @@ class VariationalMidpoint:
         self._still = np.zeros(plant.bodies.nv)
         self._lead = np.zeros(model.nv)  # of ξ before v, in the last step: where the next one starts to look
 
-    def step(self, t: float, h: float, motion: Motion) -> None:
+    def step(self, t: float, h: float, motion: IntegratedMotion) -> None:
         """Bring `motion` from time `t` to `t` + `h`, s."""
         plant, model = self.plant, self.plant.model
         q, friction = motion.q, plant.friction
@@ -72,7 +72,7 @@ class VariationalMidpoint:
                 break
             last = size
         else:
-            raise OspaceError(f"the symplectic step at {t:.6g} s finds no end: take a smaller step than {h:g} s")
+            raise OspaceError(f"the symplectic step at {t:.6g} s did not converge: take a smaller step than {h:g} s")
 
         w, _, A_T = self._at_midpoint(q, xi, h, terms)
         self._lead = xi - motion.v

@@ -127,7 +127,7 @@ def joint_sweep(
     q : (nq,)
         Start, at rest.
     progress : function, optional
-        As of `react`.
+        As of `zero_momentum_motion`.
 
     Raises
     ------

@@ -50,7 +50,7 @@ class Comparison(NamedTuple):
 Compare = Callable[[Sample, Any], Comparison]
 
 
-class Quantity(NamedTuple):
+class ComparedQuantity(NamedTuple):
     """One row of the table."""
 
     name: str
@@ -61,7 +61,7 @@ class Quantity(NamedTuple):
     in_batch: bool = False
     """Whether it takes results of the batch, which there are for some states only."""
 
-    def coupled(self) -> Quantity | None:
+    def coupled(self) -> ComparedQuantity | None:
         """Return the row for a robot whose joints mimic others; None for what does not know these.
 
         There the composite bodies stand in for PV-OSIMr, and Pinocchio's crba and rnea for its aba.
@@ -93,7 +93,7 @@ _FORWARD = [Way("forward chain", attrgetter("forward"))]
 _OPERATIONAL = _ways("PV-OSIMr", "operational") + _FORWARD
 _RESPONSE = _ways("PV-OSIMr", "operational", batch=False) + _FORWARD
 
-TABLE: list[Quantity] = []
+TABLE: list[ComparedQuantity] = []
 
 
 def quantity(name: str, equation: str, ways: str | Sequence[Way], checked_against: str) -> Callable[[Compare], Compare]:
@@ -105,7 +105,7 @@ def quantity(name: str, equation: str, ways: str | Sequence[Way], checked_agains
     def add(compare: Compare) -> Compare:
         for way in [Way(ways)] if isinstance(ways, str) else ways:
             compare_so = partial(_compare, compare, way.results)
-            TABLE.append(Quantity(name, equation, way.computed_by, checked_against, compare_so, way.in_batch))
+            TABLE.append(ComparedQuantity(name, equation, way.computed_by, checked_against, compare_so, way.in_batch))
         return compare
 
     return add
@@ -299,7 +299,7 @@ def null_space_projector(s: Sample, by: Any) -> Comparison:
 
 
 def _worst_point(s: Sample, compare: Callable[[Sample], Comparison]) -> Comparison:
-    """Compare at each point by itself: a point that differs, or else that of which least can be told."""
+    """Compare at each point by itself: a point that differs, or else the one that is least certain."""
     compared = [compare(alone) for alone in s.each_point]
     return max(compared, key=lambda one: (not one.error <= s.unit * one.condition, one.condition))
 

@@ -17,7 +17,7 @@ from ospace.urdf.bodies import Body, bodies_of, tensor_of
 from ospace.urdf.description import Description
 from ospace.urdf.lint import explain
 from ospace.urdf.lint.rules import RULES
-from ospace.validation import words
+from ospace.validation import report_text
 from ospace.validation.report import Report
 from ospace.visual import marked_robot, page
 
@@ -103,11 +103,11 @@ def render(
     weights = breakdown(bodies_of(description))
     codes = dict.fromkeys(finding.code for finding in report.findings)
     return page.render(
-        drawn.content(printable(description.name), f"{report.verdict}: {words.summary(report)}", "space"),
+        drawn.content(printable(description.name), f"{report.verdict}: {report_text.summary(report)}", "space"),
         template="check.html",
         report_style=page.own_text("report.css"),
         check_script=page.own_text("check.js"),
-        words=words,
+        report_text=report_text,
         printable=printable,
         urdf=printable(name),
         report=report,

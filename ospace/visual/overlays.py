@@ -256,7 +256,7 @@ def _mass_centre(state: State) -> Floats:
     """As seen from the base's origin, inertial axes, m."""
     robot = state.robot
     data = robot.data
-    return np.array(pin.centerOfMass(robot.model, data, state.beside_base()[0]))
+    return np.array(pin.centerOfMass(robot.model, data, state.base_frame_state()[0]))
 
 
 def _momenta(state: State) -> dict[str, tuple[Floats, Floats]]:

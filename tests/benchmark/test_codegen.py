@@ -22,9 +22,9 @@ def test_generated_code_computes_the_same():
     robot = ospace.SpaceRobot.from_urdf(path)
     rng = np.random.default_rng(3)
     states = [random_state(robot, rng) for _ in range(4)]
-    contest = codegen.inverse_inertia(robot, [robot.point(robot.leaf_links[0])], path)
-    contest.check([(state.q.copy(), state.v.copy()) for state in states])
-    assert np.any(contest.results(states[0].q, states[0].v)[0][1])
+    comparison = codegen.inverse_inertia(robot, [robot.point(robot.leaf_links[0])], path)
+    comparison.check([(state.q.copy(), state.v.copy()) for state in states])
+    assert np.any(comparison.results(states[0].q, states[0].v)[0][1])
 
 
 @needs_it

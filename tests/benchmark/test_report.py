@@ -35,7 +35,7 @@ def test_the_table_has_a_row_for_each_quantity_and_count_of_points(result):
 
 
 def test_dependent_rows_have_no_inverse_to_compare(chaser):
-    counts = {(contest.quantity, count) for count, contest in report.prepare(chaser, 6).contests}
+    counts = {(comparison.quantity, count) for count, comparison in report.prepare(chaser, 6).comparisons}
     assert ("Γ_e⁻¹", 6) in counts
     assert ("Γ_e⁻¹, Γ_e, μ, μ_e", 6) not in counts
 

@@ -5,13 +5,13 @@ import pytest
 import trees
 
 import ospace
-from ospace.benchmark import growth
+from ospace.benchmark import scaling
 
 
-@pytest.mark.parametrize("shape", growth.SHAPES)
+@pytest.mark.parametrize("shape", scaling.SHAPES)
 @pytest.mark.parametrize("nv", [7, 12, 61])
 def test_robots_of_any_size_have_it_and_right_results(shape, nv):
-    robot = growth.robot_of(shape, nv)
+    robot = scaling.robot_of(shape, nv)
     assert robot.nv == nv
     state = trees.state(robot, 0)
     point = robot.point(robot.leaf_links[-1])

@@ -16,7 +16,7 @@ def called(program, *arguments):
 
 
 def test_bench_prints_its_table_and_writes_plot_and_json(tmp_path):
-    program = "import ospace.benchmark.growth as g; g.SIZES = (12, 24); from ospace.cli.main import main; "
+    program = "import ospace.benchmark.scaling as g; g.SIZES = (12, 24); from ospace.cli.main import main; "
     program += "raise SystemExit(main())"
     path = tmp_path / "plot.svg"
     arguments = ["bench", "planar_2r", "--points", "1", "--seconds", "0.001", "--plot", str(path)]

@@ -254,8 +254,8 @@ def interrupt_after(monkeypatch):
                 os.kill(os.getpid(), signal.SIGINT)
             return honest(self, time)
 
-        honest = runner._Conductor.stepped
-        monkeypatch.setattr(runner._Conductor, "stepped", stepped)
+        honest = runner._PhaseSequencer.stepped
+        monkeypatch.setattr(runner._PhaseSequencer, "stepped", stepped)
 
     return call
 

@@ -144,7 +144,7 @@ def test_points_accelerate_as_the_bias_says_when_nothing_acts(state):
     """Central differences of ẋ_e along the motion that pin.aba gives without any force."""
     robot, dt = state.robot, 1e-5
     point = points_of(robot)[1]
-    a = pin.aba(robot.model, robot.scratch.data, *state.beside_base(), np.zeros(robot.nv)).copy()
+    a = pin.aba(robot.model, robot.scratch.data, *state.base_frame_state(), np.zeros(robot.nv)).copy()
     a[:3] -= np.cross(state.v[3:6], state.v[:3])  # from the frame beside the base to q̈ at its full velocity
 
     def velocity(moved):
@@ -161,7 +161,7 @@ def test_momentum_changes_by_the_wrench_and_by_the_motion_of_its_centre(state):
     F_b = np.random.default_rng(1).normal(size=6)
     R = state.T_WB.rotation
     load = np.r_[R.T @ F_b[:3], R.T @ F_b[3:], np.zeros(robot.n_joints)]
-    q = state.beside_base()[0]
+    q = state.base_frame_state()[0]
     a = pin.aba(robot.model, robot.scratch.data, q, state.v, load).copy()
     rate = (ospace.momentum(step(state, a, dt)) - ospace.momentum(step(state, a, -dt))) / (2 * dt)
     P = ospace.momentum(state)[:3]

@@ -136,7 +136,7 @@ def test_every_quantity_of_the_batch_for_a_coupled_robot(seed):
 def test_a_coupled_robot_by_pinocchio_s_own_mimic_joints(seed):
     """Its rnea knows them; its crba is wrong where joints hang from a follower (Pinocchio 4.1)."""
     twin, rng = Twin(seed), np.random.default_rng(seed)
-    q, v = twin.state.beside_base()
+    q, v = twin.state.base_frame_state()
     model, T = twin.robot.model, np.eye(twin.robot.nv)
     data, a = model.createData(), rng.normal(size=model.nv)
     T[:3, :3] = T[3:6, 3:6] = twin.state.T_WB.rotation

@@ -12,7 +12,7 @@ from ospace import SpaceRobot
 from ospace.dynamics.joint_friction import JointFriction
 from ospace.simulation import SimulationError, grasp, rigid_body, simulate, tumbling
 from ospace.simulation.plant import Plant
-from ospace.simulation.runge_kutta import Motion
+from ospace.simulation.runge_kutta import IntegratedMotion
 
 AXES_TURN = ("spherical by angles", "universal", "composite")
 SMOOTH = tuple(name for name in trees.JOINT_TYPES if name not in AXES_TURN)
@@ -90,7 +90,9 @@ def test_the_certificate_accounts_for_the_work_that_friction_takes(arm, law, opt
 def test_the_certificate_notices_friction_whose_work_is_not_accounted_for(arm, options, monkeypatch):
     """Friction that acts, and energy that it took forgotten."""
     robot = arm()
-    monkeypatch.setattr(Motion, "dissipated", property(lambda motion: 0.0, lambda motion, taken: None), raising=False)
+    monkeypatch.setattr(
+        IntegratedMotion, "dissipated", property(lambda motion: 0.0, lambda motion, taken: None), raising=False
+    )
     certificate = simulate(robot, *moving(robot), duration=0.1, **options).certificate()
     assert not certificate["work and energy"].passed
     assert certificate["linear momentum"].passed

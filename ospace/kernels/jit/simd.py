@@ -246,6 +246,6 @@ def widest() -> int:
     """Return the number of doubles that this machine's processor takes in one vector."""
     try:
         features = llvmlite.binding.get_host_cpu_features()
-    except RuntimeError:  # not told on this platform
+    except RuntimeError:  # unknown on this platform
         return 2
     return 8 if features.get("avx512f") else 4 if features.get("avx") else 2

@@ -21,7 +21,7 @@ LARGEST_DENSE = 192
 
 
 @dataclass(frozen=True)
-class Growth:
+class Scaling:
     """Times over degrees of freedom.
 
     Attributes
@@ -74,7 +74,7 @@ def robot_of(shape: str, nv: int) -> SpaceRobot:
     return SpaceRobot.from_model(model)
 
 
-def measure(shape: str, *, seconds: float, sizes: Sequence[int] = SIZES, tick: Tick) -> Growth:
+def measure(shape: str, *, seconds: float, sizes: Sequence[int] = SIZES, tick: Tick) -> Scaling:
     """Time all `sizes`, `seconds` for each."""
     ours, dense = [], []
     for nv in sizes:
@@ -94,7 +94,7 @@ def measure(shape: str, *, seconds: float, sizes: Sequence[int] = SIZES, tick: T
         ours.append(float(times[0]))
         dense.append(float(times[1]) if len(times) > 1 else None)
     known = [(nv, time) for nv, time in zip(sizes, dense, strict=True) if time is not None]
-    return Growth(
+    return Scaling(
         shape, tuple(sizes), tuple(ours), tuple(dense), _slope(sizes, ours), _slope(*zip(*known, strict=True))
     )
 
