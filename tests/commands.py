@@ -13,6 +13,7 @@ from ospace.control import (
     PoseTask,
     PostureTask,
 )
+from ospace.control.solvers import OWN
 from ospace.validation.sampling import random_state
 
 
@@ -67,4 +68,4 @@ def leveled_states(robot, point, count):
         yield tasks, q, v
 
 
-SOLVERS = sorted({*qpsolvers.available_solvers} - {"daqp", "ecos"})
+SOLVERS = sorted({*OWN, *qpsolvers.available_solvers} - {"daqp", "ecos"})

@@ -50,13 +50,11 @@ def _solve(first: Solver, program: Program) -> Floats | None:
 
 
 def _back_end(name: str) -> Solver:
-    if name == "daqp":
-        return _daqp
-    if name == "proxqp":
-        return _proxqp
+    if name in OWN:
+        return OWN[name]
     import qpsolvers
 
-    known = list(dict.fromkeys(["daqp", "proxqp", *qpsolvers.available_solvers]))
+    known = list(dict.fromkeys([*OWN, *qpsolvers.available_solvers]))
     if name in _ROUGH:
         raise OspaceError(
             f"solver '{name}' {_ROUGH[name]}: take one of {', '.join(one for one in known if one != name)}"
@@ -98,6 +96,10 @@ def _proxqp(program: Program) -> Floats | None:
     qp.init(program.H, program.f, None, None, program.C, lower[size:], upper[size:], lower[:size], upper[:size])
     qp.solve()
     return np.asarray(qp.results.x) if qp.results.info.status == proxqp.QPSolverOutput.PROXQP_SOLVED else None
+
+
+OWN: dict[str, Solver] = {"daqp": _daqp, "proxqp": _proxqp}
+"""Solvers that are called without qpsolvers, by name."""
 
 
 def _by_qpsolvers(name: str, program: Program) -> Floats | None:

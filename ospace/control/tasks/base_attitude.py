@@ -42,5 +42,5 @@ class BaseAttitudeTask(Task):
         return (base_point(self.robot),)
 
     def rows(self, robot: SpaceRobot) -> list[int]:
-        """Which of six components."""
+        """Return the taken ones of six components."""
         return chosen(self.name, self.axes, (3, 4, 5))

@@ -35,7 +35,7 @@ class CentreOfMassTask(Task):
             raise OspaceError(f"task '{self.name}': joints do not move the centre of mass; give a base with forces")
 
     def rows(self, robot: SpaceRobot) -> list[int]:
-        """Which of x, y, z."""
+        """Return the taken ones of x, y, z."""
         return chosen(self.name, self.axes, (0, 1, 2))
 
     def initial(self, poses: list[pin.SE3], mass_centre: np.ndarray) -> pin.SE3:

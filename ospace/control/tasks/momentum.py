@@ -53,5 +53,5 @@ class MomentumTask(Task):
             raise OspaceError(f"task '{self.name}': joints do not change momentum; give a base with forces or torques")
 
     def rows(self, robot: SpaceRobot) -> list[int]:
-        """Which of six components."""
+        """Return the taken ones of six components."""
         return chosen(self.name, self.axes, (0, 1, 2, 3, 4, 5))

@@ -34,5 +34,5 @@ class PoseTask(Task):
         return (self.point,)
 
     def rows(self, robot: SpaceRobot) -> list[int]:
-        """Which of six components."""
+        """Return the taken ones of six components."""
         return chosen(self.name, self.axes, self.offered)

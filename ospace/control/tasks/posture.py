@@ -74,7 +74,7 @@ class PostureTask(Task):
         return replace(self, posture=reference)
 
     def rows(self, robot: SpaceRobot) -> list[int]:
-        """Which joint rates."""
+        """Return the joint rates."""
         model = robot.model
         named = [j for j in range(2, model.njoints) if self.posture is None or model.names[j] in self.posture]
         return [k - 6 for j in named for k in range(model.idx_vs[j], model.idx_vs[j] + model.nvs[j])]

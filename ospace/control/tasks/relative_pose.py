@@ -39,7 +39,7 @@ class RelativePoseTask(Task):
         return (self.point, self.seen_from)
 
     def rows(self, robot: SpaceRobot) -> list[int]:
-        """Which of six components."""
+        """Return the taken ones of six components."""
         return chosen(self.name, self.axes, (0, 1, 2, 3, 4, 5))
 
     def initial(self, poses: list[pin.SE3], mass_centre: np.ndarray) -> pin.SE3:

@@ -88,9 +88,9 @@ class Task(ABC):
     reference: Reference | None = None
 
     kind: ClassVar[int]
-    """Which kernel writes its rows."""
+    """Number of the kernel that writes its rows."""
     geometric: ClassVar[bool] = False
-    """Whether its rows are about the motion of points: rows of a Jacobian."""
+    """True where its rows are about the motion of points: rows of a Jacobian."""
 
     def __post_init__(self) -> None:
         for name in ("stiffness", "damping_ratio", "weight"):

@@ -9,7 +9,7 @@ from ospace.kernels.tree import Floats, Ints
 UNLIMITED = 1e30
 """What bounds beyond count as none."""
 POSITION, VELOCITY, ACCELERATION = range(3)
-"""Which limit a bound on φ̈ comes of."""
+"""Limits of which a bound on φ̈ may come."""
 
 
 class ProgramLimits(NamedTuple):
