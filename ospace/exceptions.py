@@ -1,4 +1,4 @@
-"""What ospace raises: `OspaceError` and its few children, each with the data that explains it."""
+"""Errors of ospace: `OspaceError` and its few children, each with the data that explains it."""
 
 from __future__ import annotations
 

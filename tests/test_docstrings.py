@@ -19,14 +19,14 @@ OPENS_WRONG = re.compile(r"(What|How|Where|Whether|Which|Why|When|Who)\b")
 
 
 def documented():
-    """Yield each function and class of the package that has a docstring, by its place."""
+    """Yield each docstring of the package, by its place."""
     for file in sorted(PACKAGE.rglob("*.py")):
         path = file.relative_to(PACKAGE)
         if path.parts[0] in TODO:
             continue
         for node in ast.walk(ast.parse(file.read_text())):
-            if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and ast.get_docstring(node):
-                yield f"{path}:{node.name}", ast.get_docstring(node)
+            if isinstance(node, (ast.Module, ast.FunctionDef, ast.ClassDef)) and ast.get_docstring(node):
+                yield f"{path}:{getattr(node, 'name', '')}", ast.get_docstring(node)
 
 
 def surface():

@@ -18,7 +18,7 @@ from ospace.model.points import OperationalPoint
 from ospace.model.robot import SpaceRobot
 
 AGREEMENT = 1e-7
-"""How far results may differ, relative to the largest number: what is timed must be the same thing, no more."""
+"""Tolerance of results, relative to the largest number: what is timed must be the same thing, no more."""
 
 _INERTIAL = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 

@@ -1,4 +1,4 @@
-"""How the time of Γ_e⁻¹ and μ_e grows with the robot: chains and trees that are built in code."""
+"""Growth of the time of Γ_e⁻¹ and μ_e with the robot: chains and trees that are built in code."""
 
 from __future__ import annotations
 

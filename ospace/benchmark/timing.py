@@ -1,4 +1,4 @@
-"""How several ways are timed against each other: turn by turn, so that what else the machine does meets all."""
+"""Timing of several ways against each other: turn by turn, so that what else the machine does meets all."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 from ospace.kernels.tree import Floats
 
 Way = Callable[[Floats, Floats], Any]
-"""What is timed: called with q and v."""
+"""Function that is timed: called with q and v."""
 States = Sequence[tuple[Floats, Floats]]
 Tick = Callable[[], None]
 """Called after every turn: progress, and the place to stop at."""

@@ -1,4 +1,4 @@
-"""What acts upon the base: nothing, thrusters, reaction wheels, or both."""
+"""Actuation of the base: nothing, thrusters, reaction wheels, or both."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a controller answers, and why."""
+"""Command of a controller, and the reasons for it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""When tasks are complete: within their bounds for some time without a break."""
+"""Completion of tasks: errors within their bounds for some time without a break."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a task follows: a pose that stays, one that moves from rest to rest, or any function of time."""
+"""References of tasks: a pose that stays, one that moves from rest to rest, or any function of time."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ BITS = {
     "generalized_bias": evaluation.FLOATING_BASE | evaluation.GENERALIZED_BIAS,
     "momentum": evaluation.FLOATING_BASE,
 }
-"""What each quantity asks of the kernel."""
+"""Bits of the kernel that each quantity needs."""
 QUANTITIES = tuple(BITS)
 _VECTORS = ("bias_acceleration", "bias_force", "generalized_bias", "momentum")
 _A_STATE, _PSEUDO_INVERSE = 1 << 20, 1 << 21  # of what is known: beside the bits of the kernel, which ignores them

@@ -35,9 +35,9 @@ NORMALIZED = 1024
 """Quaternions are at unit length to the last digit, as they are the second time."""
 COMPOSITE = FLOATING_BASE | MANIPULATOR_INERTIA | JOINT_BIAS | GENERALIZED_INERTIA | GENERALIZED_BIAS
 COUPLED_MOBILITY = FLOATING_BASE | GENERALIZED_INERTIA
-"""What Γ_e⁻¹ takes where joints mimic others; and μ, GENERALIZED_BIAS."""
+"""Bits of Γ_e⁻¹ where joints mimic others; of μ, GENERALIZED_BIAS."""
 MOTION = BIAS | JOINT_BIAS | GENERALIZED_BIAS
-"""What takes the links' twists and accelerations."""
+"""Bits that take the links' twists and accelerations."""
 PLACED_BEFORE = MOBILITY | INERTIA | BIAS | JACOBIAN | LINKS_STAND
 """With any of these, links stand by when it comes to composite bodies."""
 
@@ -49,7 +49,7 @@ zero, or not a number where Γ_e or μ_e, or another result is not finite."""
 SMALLEST_PIVOT = 1e-10
 """Of Γ_e⁻¹ at unit diagonal: below it, rows of the points may depend on each other."""
 UNIT_LENGTH = 2e-6
-"""How far the square of a quaternion's length may be from one: twice the tolerance of a state."""
+"""Tolerance of the square of a quaternion's length beside one: twice the tolerance of a state."""
 FAR_ANGLE = 1e5
 """Largest joint coordinate for which sine and cosine hold to the last digits, if it is an angle."""
 

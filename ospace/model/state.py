@@ -18,7 +18,7 @@ from ospace.model.layout import Layout
 from ospace.model.points import OperationalPoint, check_owner
 
 QUATERNION_TOLERANCE = 1e-6
-"""How far the length of a quaternion, or of a (cos, sin) pair, may be from one; it is then set to one."""
+"""Tolerance of the length of a quaternion, or of a (cos, sin) pair, beside one; it is then set to one."""
 _UNIT = 4e-15  # as close to one as rounding leaves its square: set to one again, it would only change in its last digit
 
 

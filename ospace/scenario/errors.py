@@ -1,4 +1,4 @@
-"""What reading a scenario raises."""
+"""Errors of reading a scenario."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a phase's tasks follow, from the state at its start on."""
+"""References of a phase's tasks, from the state at its start on."""
 
 from __future__ import annotations
 

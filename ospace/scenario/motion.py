@@ -39,7 +39,7 @@ from ospace.simulation import Certificate, simulate
 from ospace.simulation.plant import Plant
 
 _AHEAD = 1.0
-"""How far the target's motion is computed at a time, s."""
+"""Length of the target's motion that is computed at a time, s."""
 
 
 class Motion(NamedTuple):

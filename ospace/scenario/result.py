@@ -1,4 +1,4 @@
-"""What a run of a scenario leaves behind."""
+"""Results of a run of a scenario."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ospace.simulation import Certificate, Conserved, Excess, Grasp, Trajectory
 
 Outcome = Literal["complete", "timed out", "interrupted", "failed"]
 _ROUNDING = {"torque": 1e-8, "position": 1e-6, "velocity": 1e-6}
-"""What may pass a limit, relative to the larger of it and 1; of positions, rad or m."""
+"""Tolerance beyond a limit, relative to the larger of it and 1; of positions, rad or m."""
 _UNITS = {"torque": {"rad": "N m", "m": "N"}, "velocity": {"rad": "rad/s", "m": "m/s"}}
 BASE = "base"
 """Name of the base-link frame's origin among points."""

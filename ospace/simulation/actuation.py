@@ -1,4 +1,4 @@
-"""What drives a robot: a controller, and what it commands."""
+"""Actuation of a robot: a controller, and its commands."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ _FOURTH_ORDER = np.array([5179 / 57600, 0, 7571 / 16695, 393 / 640, -92097 / 339
 _ERROR = _WEIGHTS[6] - _FOURTH_ORDER
 _SAFETY, _SHRINK, _GROW, _TINY = 0.9, 0.2, 5.0, 1e-10
 _MOST_TRIALS = 10_000
-"""How often one given step may be divided."""
+"""Most divisions of one given step."""
 
 
 class DormandPrince:

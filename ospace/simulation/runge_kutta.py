@@ -40,7 +40,7 @@ _LARGEST_LOSS = 1e-11
 _MOST_PARTS = 1000
 """Of a step, beyond which a run would not end."""
 _MOST_DOUBLINGS = 5
-"""What is still missing after them is for the certificate to tell."""
+"""Of the parts of a step; a balance still missing after them is left to the certificate."""
 
 
 @dataclass

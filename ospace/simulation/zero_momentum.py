@@ -1,4 +1,4 @@
-"""How the base answers a motion of the joints when nothing else acts: momentum stays zero, the mass centre where it is.
+"""Motion of the base when the joints move and nothing else acts: momentum stays zero, the mass centre where it is.
 
 With M_0 = 0 the base follows the joints by (2), ẋ_b = J_b* φ̇. Seen in base axes, J_b* depends on the joints alone:
 

@@ -1,4 +1,4 @@
-"""What a URDF says, in numbers: the part that dynamics, shapes and findings need."""
+"""Content of a URDF, in numbers: the part that dynamics, shapes and findings need."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether a robot is of a size that can be handled, and whether one base floats freely."""
+"""Checks of a robot's structure: its size can be handled, and one base floats freely."""
 
 from __future__ import annotations
 

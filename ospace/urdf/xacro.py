@@ -25,7 +25,7 @@ _LIBRARIES = ("xacro", "yaml")
 _WITHIN_PACKAGE = {"urdf", "xacro", "robots", "robot", "models", "model"}
 """Usual names of the folder of a package that holds its robots."""
 _HARMLESS = ("redefining global symbol", "Using ", "macro names must not contain prefix")
-"""How warnings of xacro begin that say nothing of the robot."""
+"""Beginnings of warnings of xacro that say nothing of the robot."""
 
 
 @dataclass(frozen=True)

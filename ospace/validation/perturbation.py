@@ -1,4 +1,4 @@
-"""How far an inverse on the numerical range may be off, when what is inverted is off by rounding.
+"""Error of an inverse on the numerical range when the matrix that is inverted is off by rounding.
 
 Of a symmetric A with the rank k, k eigenvalues λ are inverted and the others (the largest of them λ_0) count as zero.
 With A⁺ = Σ v vᵀ/λ and K = Σ v vᵀ/(λ (λ − λ_0)) over the eigenvectors that are kept, N = 1 − A A⁺, a change δA gives

@@ -1,4 +1,4 @@
-"""What `ospace check` finds: facts of the model, findings, agreement table, verdict; also as one JSON document."""
+"""Report of `ospace check`: facts of the model, findings, agreement table, verdict; also as one JSON document."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a check found, in words: the same for a terminal and for a page."""
+"""Text of a check's report: the same for a terminal and for a page."""
 
 from __future__ import annotations
 

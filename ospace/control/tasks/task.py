@@ -1,4 +1,4 @@
-"""What all tasks have in common."""
+"""Common parts of all tasks."""
 
 from __future__ import annotations
 

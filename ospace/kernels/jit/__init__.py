@@ -1,1 +1,1 @@
-"""How kernels are compiled and kept, and how they reach memory: machinery, apart from mathematics."""
+"""Compilation of kernels, their cache, and their access to memory: machinery, apart from mathematics."""

@@ -1,4 +1,4 @@
-"""Where compiled kernels are kept between processes.
+"""Cache of compiled kernels between processes.
 
 Numba looks at the file of the entry alone when it decides whether a cached kernel is still good; an edit in a
 file that the entry inlines would go unnoticed and old results come back. So every state of the sources has a

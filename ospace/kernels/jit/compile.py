@@ -1,4 +1,4 @@
-"""How a kernel is compiled.
+"""Compilation of a kernel.
 
 A *number* is a ``float64``, or several of them in the lanes of a vector register (`ospace.kernels.jit.simd`); kernels
 never say which. A *row* of numbers comes out of a table as a tuple and goes back as one: ``S = load6(w.S, i)``. The

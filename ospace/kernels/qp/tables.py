@@ -7,7 +7,7 @@ from typing import NamedTuple
 from ospace.kernels.tree import Floats, Ints
 
 UNLIMITED = 1e30
-"""What bounds beyond count as none."""
+"""Bounds beyond it count as none."""
 POSITION, VELOCITY, ACCELERATION = range(3)
 """Limits of which a bound on φ̈ may come."""
 

@@ -1,4 +1,4 @@
-"""Where the reference of a task is."""
+"""Place and motion of a task's reference."""
 
 from __future__ import annotations
 

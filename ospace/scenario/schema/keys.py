@@ -1,4 +1,4 @@
-"""What tables are made of: types of keys, fields with their defaults, and poses."""
+"""Parts of tables: types of keys, fields with their defaults, and poses."""
 
 from __future__ import annotations
 

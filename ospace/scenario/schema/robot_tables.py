@@ -19,7 +19,7 @@ from ospace.scenario.units import AngularVelocities, Lengths, Quantity, Vector, 
 _LEAST_MOMENT = 1e-9
 """Least principal moment of inertia of a target's body, kg m²."""
 _TENSOR = ((0, 3, 4), (3, 1, 5), (4, 5, 2))
-"""Where ixx, iyy, izz, ixy, ixz, iyz stand in the tensor."""
+"""Places of ixx, iyy, izz, ixy, ixz, iyz in the tensor."""
 
 
 def _per_axis(dimension: str) -> Either:

@@ -1,1 +1,1 @@
-"""What is odd about a model: findings, by the rules that explain them."""
+"""Findings on a model, by the rules that explain them."""

@@ -1,4 +1,4 @@
-"""Where the meshes of a robot are, and findings on those that cannot be drawn. Nothing else is opened."""
+"""Files of a robot's meshes, and findings on those that cannot be drawn. Nothing else is opened."""
 
 from __future__ import annotations
 

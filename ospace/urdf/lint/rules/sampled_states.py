@@ -1,4 +1,4 @@
-"""What the sampled states of `ospace check` show."""
+"""Findings of the sampled states of `ospace check`."""
 
 from ospace.urdf.lint.rules.rule import Rule
 
