@@ -86,6 +86,19 @@ class Dense:
         return np.concatenate([h[:3], h[3:] + np.cross(self._data.com[0], h[:3])])
 
     @cached_property
+    def centre_of_mass(self) -> Floats:
+        """Mass centre in the inertial frame (3,), `pin.centerOfMass`."""
+        return np.asarray(pin.centerOfMass(self._model, self._data, self._q) + self.state.q[:3])
+
+    @cached_property
+    def placements(self) -> Floats:
+        """Positions and quaternions x, y, z, w of the points in the inertial frame (p, 7), `pin.forwardKinematics`."""
+        pin.forwardKinematics(self._model, self._data, self._q)
+        poses = np.array([pin.SE3ToXYZQUAT(self._data.oMi[one.joint] * one.placement) for one in self.points])
+        poses[:, :3] += self.state.q[:3]
+        return poses
+
+    @cached_property
     def link_velocities(self) -> Floats:
         """Velocities of all joint frames (njoints − 1, 6), inertial axes, each at its own origin."""
         pin.forwardKinematics(self._model, self._data, self._q, self._own_v)

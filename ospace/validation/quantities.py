@@ -158,9 +158,9 @@ def manipulator_bias(s: Sample, by: Any) -> Comparison:
     return Comparison(s.joint_space.manipulator_bias, s.dense.c[6:], scale, 1.0, s.lever, s.speed)
 
 
-@quantity("base generalized Jacobian J_b*", "3, 27, 28", f"{_BODIES}, state", "pin.crba")
+@quantity("base generalized Jacobian J_b*", "3, 27, 28", _ways(_BODIES, "jacobians", evaluator=False), "pin.crba")
 def base_generalized_jacobian(s: Sample, by: Any) -> Comparison:
-    value = s.jacobians.base_generalized_jacobian
+    value = by.base_generalized_jacobian
     condition = s.condition_H_b * s.reach
     return Comparison(value, s.dense.J_b_star, s.velocity_scale[:6], s.force_scale[6:], condition)
 
@@ -172,15 +172,39 @@ def generalized_jacobian_(s: Sample, by: Any) -> Comparison:
     return Comparison(value, s.dense.J_m_star, s.point_scale, s.force_scale[6:], condition)
 
 
+@quantity("singular values of J_m*", "5", _ways(_BODIES)[2:], "crba, Jacobians, SVD")
+def singular_values(s: Sample, by: Any) -> Comparison:
+    return _singular(s, by.singular_values, np.asarray(np.linalg.svd(s.dense.J_m_star, compute_uv=False)))
+
+
 @quantity("smallest singular value of J_m*", "5", _ways(_BODIES)[2:], "crba, Jacobians, SVD")
 def smallest_singular_value(s: Sample, by: Any) -> Comparison:
-    """Compare in plain units: it is off by as much as the elements of J_m*, which are off by a share of the largest."""
     smallest = np.asarray(np.linalg.svd(s.dense.J_m_star, compute_uv=False)[-1:])
+    return _singular(s, np.full_like(smallest, by.smallest_singular_value), smallest)
+
+
+def _singular(s: Sample, value: Floats, reference: Floats) -> Comparison:
+    """Compare in plain units: they are off as the elements of J_m* are, by a share of the largest."""
     scale = np.outer(s.point_scale, s.force_scale[6:])
     natural = float(np.abs(scale * s.dense.J_m_star).max(initial=1.0) * np.linalg.norm(1.0 / scale))
     condition = s.condition_H_b * (s.reach + s.point_lever**0.5)
-    value = np.full_like(smallest, by.smallest_singular_value)
-    return Comparison(value, smallest, condition=condition, natural=natural or 1.0)
+    return Comparison(value, reference, condition=condition, natural=natural or 1.0)
+
+
+@quantity("centre of mass", "20", _ways(_BODIES)[2:], "pin.centerOfMass")
+def centre_of_mass(s: Sample, by: Any) -> Comparison:
+    """Compare by the distance from the origin, of which the last digits are rounded, and the size of the robot."""
+    reference = s.dense.centre_of_mass
+    return Comparison(by.centre_of_mass, reference, natural=max(1.0, float(np.abs(reference).max())))
+
+
+@quantity("placements of the points", "14", _ways("kinematics")[2:], "pin.forwardKinematics")
+def placements(s: Sample, by: Any) -> Comparison:
+    """Compare positions as the centre of mass, and quaternions of the same sign."""
+    reference, value = s.dense.placements, np.array(by.placement)
+    value[:, 3:] *= np.sign((value[:, 3:] * reference[:, 3:]).sum(axis=1))[:, None]
+    size = max(1.0, float(np.abs(reference[:, :3]).max()))
+    return Comparison(value, reference, 1.0, np.r_[np.full(3, 1.0 / size), np.ones(4)], s.reach)
 
 
 @quantity("base velocity", "2, 26", f"{_BODIES}, state", "base twist")
