@@ -16,6 +16,9 @@ from ospace.control import (
 from ospace.control.solvers import OWN
 from ospace.validation.sampling import random_state
 
+KEPT = ("nominal", "falling short")
+"""All limits are kept; references may be far."""
+
 
 def state(robot, seed, speed=0.3):
     drawn = random_state(robot, np.random.default_rng(seed))

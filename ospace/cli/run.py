@@ -222,6 +222,8 @@ def _show(console: Console, result: Run, name: str) -> None:
     console.print("\n[bold]Certificate[/]")
     for line in str(result.certificate).splitlines():
         console.print(plain(line))
+    if hint := summary_text.remedy(result, control.step):
+        console.print(plain(hint))
     colour = "bold green" if result.passed else "bold red"
     console.print(f"\n[{colour}]{summary_text.verdict(result)}[/]: {plain(name)}: {summary_text.summary(result)}")
 

@@ -9,10 +9,11 @@ from typing import Literal
 
 import numpy as np
 
+from ospace.control.shortfall import Shortfall, TaskResidual, shortfall, shown
 from ospace.kernels.tree import Floats, Ints
 from ospace.model.joint_positions import with_units
 
-Status = Literal["nominal", "softened", "outside limits", "degraded", "stopped"]
+Status = Literal["nominal", "falling short", "softened", "outside limits", "degraded", "stopped"]
 _CAUSES = ("position", "velocity", "acceleration")
 _ON = 1e-6  # how near a bound, relative to its size and at least to 1, counts as on it
 
@@ -34,6 +35,11 @@ class Layout:
     geometric: Ints
     """Rows of tasks about points: those of the generalized Jacobian."""
     singular: float
+    trust_radius: float
+    components_of_rows: Ints
+    """(m,) which of six components, or which joint, each row is."""
+    allowed: Floats
+    """(T, 2) by how much the linear and angular rows of a task may be short."""
 
 
 @dataclass(frozen=True)
@@ -64,10 +70,11 @@ class Command:
         rad/s², m/s².
     base_acceleration : (6,)
         ẍ_b, inertial axes, at the base-link frame's origin; m/s², rad/s².
-    status : "nominal", "softened", "outside limits", "degraded" or "stopped"
-        The last of these that holds: all limits are kept; motion limits had to give way to torque limits; a joint is
-        outside its position limits; no solution was found for tasks of a level; nothing could be solved and the joints
-        are braked.
+    status : "nominal", "falling short", "softened", "outside limits", "degraded" or "stopped"
+        The last of these that holds: all limits are kept, and every task about points or axes follows its reference
+        within the bounds of its completion test, or 1 cm and 1 deg; a task does not, as `shortfalls` tells; motion
+        limits had to give way to torque limits; a joint is outside its position limits; no solution was found for tasks
+        of a level; nothing could be solved and the joints are braked.
     softened : dict of joint name to float
         By how much a joint's acceleration passes the bounds that its motion limits set, rad/s² or m/s².
     dropped : dict of level to tuple of str
@@ -93,6 +100,8 @@ class Command:
     """Lower, upper, what they bound, and causes."""
     _rows: tuple[Floats, Floats, Floats, Floats] = field(repr=False)
     """A, errors, residuals, independence."""
+    _short: tuple[Floats, Floats] | None = field(repr=False, default=None)
+    """By how much tasks are short (T, 2), and C, where one is by more than it may."""
 
     @cached_property
     def active_limits(self) -> tuple[str, ...]:
@@ -100,6 +109,11 @@ class Command:
 
         Wheels that hold all they can are ``'base torque z: wheel momentum, upper'``.
         """
+        return tuple(name for _, name in self._binding)
+
+    @cached_property
+    def _binding(self) -> list[tuple[int, str]]:
+        """Limits that bind: which of [z; C z] each bounds, and its name."""
         lower, upper, value, cause = self._bounds
         joints, components = self._layout.joints, self._layout.components
         n, m = len(joints), len(components)
@@ -116,7 +130,29 @@ class Command:
                 else:
                     narrow = abs(bound[i]) < (1.0 - _ON) * self._layout.largest[i - n]
                     what = f"base {components[i - n]}" + (": wheel momentum" if narrow else "")
-                found.append(f"{what}, {side}")
+                found.append((i, f"{what}, {side}"))
+        return found
+
+    @cached_property
+    def shortfalls(self) -> tuple[Shortfall, ...]:
+        """Tasks about points or axes that fall short of their references, by how much, and why.
+
+        A residual A z − b that lasts is an error that rests at |A z − b| / stiffness, so short is the task.
+        """
+        if self._short is None:
+            return ()
+        (short, C), layout = self._short, self._layout
+        A, error, residual, _ = self._rows
+        over = np.flatnonzero((short > layout.allowed).any(axis=1))
+        rows = np.vstack([np.eye(C.shape[1]), C])
+        binding = (rows[[i for i, _ in self._binding]], tuple(name for _, name in self._binding))
+        found = []
+        for t in map(int, over):
+            own = slice(layout.first[t], layout.first[t + 1])
+            rows_of_task = TaskResidual(A[own], error[own], residual[own], layout.components_of_rows[own])
+            found.append(
+                shortfall(layout.tasks[t], rows_of_task, short[t], layout.allowed[t], binding, layout.trust_radius)
+            )
         return tuple(found)
 
     @cached_property
@@ -155,12 +191,28 @@ class Command:
         rows = len(self._layout.geometric)
         return float(self._singular_values.min()) if rows and len(self._singular_values) == rows else 0.0
 
-    @property
+    @cached_property
     def near_singularity(self) -> tuple[str, ...]:
-        """Tasks near a dynamic singularity, whose motion is damped there."""
+        """Tasks near a dynamic singularity, whose motion is damped there; without those that are out of reach."""
+        beyond = {one.task for one in self.shortfalls if one.reason == "out of reach"}
         return tuple(
-            task for task, pivot in zip(self._layout.tasks, self._rows[3], strict=True) if pivot < self._layout.singular
+            task
+            for task, pivot in zip(self._layout.tasks, self._rows[3], strict=True)
+            if pivot < self._layout.singular and task not in beyond
         )
+
+    def lost_direction(self, task: str) -> tuple[Floats, bool]:
+        """Return the direction in which a task's point moves least, and whether it is one to turn about.
+
+        A unit vector, inertial axes: the larger part of the left singular vector of its rows at σ_min.
+        """
+        t = list(self._layout.tasks).index(task)
+        own = slice(self._layout.first[t], self._layout.first[t + 1])
+        u, six = np.linalg.svd(self._rows[0][own])[0][:, -1], np.zeros(6)
+        six[self._layout.components_of_rows[own]] = u
+        turning = bool(np.linalg.norm(six[3:]) > np.linalg.norm(six[:3]))
+        part = six[3:] if turning else six[:3]
+        return part / np.linalg.norm(part), turning
 
     @property
     def explanation(self) -> str:
@@ -178,9 +230,14 @@ class Command:
         if self.softened:
             worst = ", ".join(f"'{joint}' by {excess:.3g}" for joint, excess in self.softened.items())
             reasons.append(f"torque limits leave no way to keep the motion limits; accelerations pass theirs: {worst}")
+        reasons += map(str, self.shortfalls)
+        for task in self.near_singularity:
+            direction, turning = self.lost_direction(task)
+            reasons.append(f"near a dynamic singularity: {task}, {'about' if turning else 'along'} {shown(direction)}")
         if not reasons:
             rounding = "the limits leave next to no room; all are kept but for rounding"
-            reasons = ["all limits are kept" if self.status == "nominal" else rounding]
+            kept = "all limits are kept, all references followed"
+            reasons = [kept if self.status == "nominal" else rounding]
         return f"{self.status}: {'; '.join(reasons)}"
 
     def _by_task(self, values: Floats) -> dict[str, Floats]:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import copy
+import math
 import time as clock
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from math import isfinite
 from numbers import Real
 from typing import Any, NamedTuple
 
@@ -23,7 +23,7 @@ from ospace.control.limits import JointLimits
 from ospace.control.priorities import Level, Solution, relaxed, solve_by_levels
 from ospace.control.references import Constant, Function, Reference
 from ospace.control.solvers import solver_named
-from ospace.control.tasks import Task
+from ospace.control.tasks import Completion, Task
 from ospace.control.tasks.base_attitude import base_point
 from ospace.control.wheels import Wheels
 from ospace.dynamics.evaluator import OperationalSpaceEvaluator
@@ -46,6 +46,10 @@ _EXCESS = 1e-5
 """Excess over motion limits that counts as one, rad/s²."""
 _OUTSIDE = 1e-6
 """Excess over position limits that counts as one, rad or m; control stays within less at a limit."""
+_SHORT = 0.01
+"""By how much a task without a completion test may be short of its reference, m."""
+_HORIZON = 0.04
+"""How far ahead motion limits are seen, s."""
 _BRAKING_TIME = 0.1
 """Within which joints are braked where nothing can be solved, s."""
 _LOOKED_UP = ("_solve", "_R", "_place", "_q", "_v")
@@ -79,6 +83,10 @@ class Controller:
         "daqp", "proxqp", or a back-end of qpsolvers.
     braking : float
         Share of what a joint's torque limit could decelerate that the approach to its position limits counts on.
+    limit_horizon : float, optional
+        How far ahead motion limits are seen, s; one period at least. 40 ms without it, or two periods if that is
+        longer: joints rest at their limits though commands are late by 5 ms. Give eight times the delay where it is
+        longer, or more where sensors are noisy.
     regularization : float
         Weight of squared accelerations, so that the program has one solution.
     singular : float
@@ -86,6 +94,10 @@ class Controller:
         rows) count as near a dynamic singularity, and their joints are damped.
     damping : float
         Weight of that damping at the singularity, relative to the mean diagonal of J Jᵀ.
+    trust_radius : float
+        Joint motion that an error may ask for, its size over the root mean square of its rows, rad or m. The nearer it
+        comes to this, the more the joints of the task are damped, so that they come to rest where a target is out of
+        reach; smaller errors are followed as if it were not there.
     wheel_momentum : (3,)
         What reaction wheels store at the first cycle, inertial axes; N m s.
 
@@ -111,9 +123,11 @@ class Controller:
         period: float = 1e-3,
         solver: str = "daqp",
         braking: float = 0.5,
+        limit_horizon: float | None = None,
         regularization: float = 1e-6,
         singular: float = 1e-5,
         damping: float = 1e-2,
+        trust_radius: float = 1.0,
         wheel_momentum: npt.ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
         self.tasks = (tasks,) if isinstance(tasks, Task) else tuple(tasks)
@@ -134,17 +148,22 @@ class Controller:
         n, m = robot.n_joints, len(self._tasks.rows)
         self._base = base_actuation(robot, self.base)
         component, scale = self._base.component, self._base.scale
-        self._rows, self._program, self._answer = empty_program(n, len(component), m)
+        allowed = np.array([_allowed(task) for task in self.tasks])
+        self._rows, self._program, self._answer = empty_program(n, len(component), m, allowed)
         self._weights = kernel.Weights(
             np.array([task.weight if task.level is None else 0.0 for task in self.tasks]),
             _above_zero("regularization", regularization),
             _above_zero("singular", singular),
             _above_zero("damping", damping),
+            _above_zero("trust_radius", trust_radius),
             np.ones(len(self.tasks)),
             np.zeros_like(self._rows.A),
+            *np.zeros((2, len(self.tasks), n)),
         )
         largest = self.base.limits[component] / scale
-        self._limits = limit_tables(self.limits, largest, self.period, _above_zero("braking", braking))
+        horizon = max(_HORIZON, 2.0 * self.period) if limit_horizon is None else limit_horizon
+        times = (self.period, _above_zero("limit_horizon", horizon))
+        self._limits = limit_tables(self.limits, largest, *times, _above_zero("braking", braking))
         friction = JointFriction.of(robot)
         self._resistance = kernel.Resistance(friction.damping, friction.coulomb, np.zeros(n))
         self._undriven = np.flatnonzero(self.limits.torque == 0.0)
@@ -163,10 +182,13 @@ class Controller:
             [int(row) for row in first],
             np.concatenate([np.zeros(0, dtype=np.int64), *geometric]),
             singular,
+            self._weights.trust_radius,
+            self._tasks.rows,
+            allowed,
         )
         self._levels = sorted({task.level for task in self.tasks if task.level is not None})
         self._moving: list[tuple[int, Function]] = []
-        self._begun, self._time = False, 0.0
+        self._begun, self._time, self._falls_short = False, 0.0, False
         self._references: list[Reference | None] = [None] * len(self.tasks)
         for t, task in enumerate(self.tasks):
             if task.reference is not None:
@@ -218,7 +240,7 @@ class Controller:
             contradict each other are no error: `Command.status` tells.
         """
         start = clock.perf_counter()
-        if type(time) is not float or not isfinite(time):
+        if type(time) is not float or not math.isfinite(time):
             time = checked_number(time, "time")
         self._run.update(q, v)
         if not self._begun:
@@ -337,10 +359,9 @@ class Controller:
             taken = [t for t, task in enumerate(self.tasks) if task.level == number]
             rows = np.concatenate([np.arange(first[t], first[t + 1]) for t in taken])
             scale = np.sqrt(np.concatenate([np.full(first[t + 1] - first[t], self.tasks[t].weight) for t in taken]))
-            A = scale[:, None] * self._rows.A[rows]
-            near = max(0.0, 1.0 - self._weights.independence[taken].min() / self._weights.singular)
-            damping = self._weights.damping * near**2 * (A * A).sum() / len(rows)
-            levels.append(Level(A, scale * self._rows.b[rows], damping))
+            weight = np.array([self.tasks[t].weight for t in taken])
+            damped, slowed = weight @ self._weights.damped[taken], weight @ self._weights.slowed[taken]
+            levels.append(Level(scale[:, None] * self._rows.A[rows], scale * self._rows.b[rows], damped, slowed))
         return solve_by_levels(program, levels, self._solve, self._weights.regularization, start)
 
     def _dropped(self, found: Solution) -> dict[int | None, tuple[str, ...]]:
@@ -352,7 +373,8 @@ class Controller:
 
     def _finish(self, z: Floats, program: kernel.Program) -> float:
         """Compute what comes of `z`; return by how much it passes the bounds of `program`, relative to them."""
-        return float(recover_solution(*self._recovery(z, program)))
+        excess, self._falls_short = recover_solution(*self._recovery(z, program))
+        return float(excess)
 
     def _assembly(self, time: float) -> tuple[Any, ...]:
         """Return what `assemble` takes."""
@@ -361,7 +383,8 @@ class Controller:
 
     def _recovery(self, z: Floats, program: kernel.Program) -> tuple[Any, ...]:
         """Return what `recover_solution` takes."""
-        return z, self._run.memory, self._base, self.period, self._resistance, self._rows, program, self._answer
+        own = self._resistance, self._tasks, self._rows, program, self._answer
+        return z, self._run.memory, self._base, self.period, *own
 
     def _excess(self, z: Floats) -> dict[str, float]:
         """By how much joint accelerations pass the bounds of their motion limits."""
@@ -400,6 +423,8 @@ class Controller:
         z, status, softened, dropped = outcome
         if status != "stopped" and (dropped or outside):
             status = "degraded" if dropped else "outside limits"
+        elif status == "nominal" and self._falls_short:
+            status = "falling short"
         torque = np.clip(answer.torque, *self._limits.torque)
         wrench = np.zeros(6)
         if len(z) > n:
@@ -432,6 +457,7 @@ class Controller:
             self._layout,
             (lower, upper, value, program.cause.copy()),
             rows,
+            (answer.short.copy(), program.C.copy()) if self._falls_short else None,
         )
 
     # -- the state of the last cycle -------------------------------------------------------------------------
@@ -497,6 +523,15 @@ class Controller:
         self._moving = [(k, one) for k, one in self._moving if k != t]
         if isinstance(reference, Function):
             self._moving.append((t, reference))
+
+
+def _allowed(task: Task) -> tuple[float, float]:
+    """By how much a task may be short of its reference: the bounds of its completion test, else 1 cm and 1 deg."""
+    bounds = task.completion or Completion(_SHORT, math.radians(1.0))
+    return (
+        bounds.position if math.isfinite(bounds.position) else _SHORT,
+        bounds.angle if math.isfinite(bounds.angle) else math.radians(1.0),
+    )
 
 
 def _above_zero(name: str, value: float) -> float:

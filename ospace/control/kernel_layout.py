@@ -65,7 +65,9 @@ def base_actuation(robot: SpaceRobot, base: Base) -> BaseActuation:
     return BaseActuation(component, scale, np.zeros((len(component), 6)))
 
 
-def limit_tables(limits: JointLimits, largest: Floats, period: float, braking: float) -> qp.ProgramLimits:
+def limit_tables(
+    limits: JointLimits, largest: Floats, period: float, horizon: float, braking: float
+) -> qp.ProgramLimits:
     """Lay out limits of joints, and of the scaled base wrench: `largest` (k,) to either side."""
     return qp.ProgramLimits(
         bounded(np.array([0.0 - limits.torque, limits.torque])),
@@ -74,15 +76,20 @@ def limit_tables(limits: JointLimits, largest: Floats, period: float, braking: f
         bounded(limits.acceleration),
         bounded(np.array([-largest, largest])),
         period,
+        horizon,
         braking,
     )
 
 
-def empty_program(n: int, k: int, rows: int) -> tuple[TaskRows, qp.Program, qp.Answer]:
-    """Return tables for `rows` task rows, the program of n joints and k components of the base, and its solution."""
+def empty_program(n: int, k: int, rows: int, allowed: Floats) -> tuple[TaskRows, qp.Program, qp.Answer]:
+    """Return tables for `rows` task rows, the program of n joints and k components of the base, and its solution.
+
+    `allowed` (T, 2) is by how much tasks may be short of their references.
+    """
     size = n + k
     bounds = np.zeros((2, size + n))
     task_rows = TaskRows(np.zeros((rows, size)), np.zeros(rows), np.zeros(rows), np.zeros((size, 6)))
     cause = np.zeros((2, n), dtype=np.int64)
     program = qp.Program(np.zeros((size, size)), np.zeros(size), np.zeros((n, size)), bounds[0], bounds[1], cause)
-    return task_rows, program, qp.Answer(np.zeros(n), np.zeros((1, 6)), np.zeros(rows))
+    answer = qp.Answer(np.zeros(n), np.zeros((1, 6)), np.zeros(rows), np.zeros_like(allowed), allowed)
+    return task_rows, program, answer

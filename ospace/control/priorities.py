@@ -24,11 +24,18 @@ _ROUNDING = 1e-6
 
 @dataclass(frozen=True)
 class Level:
-    """Rows of one strict level, weighted: minimize |A z − b|² + damping |φ̈|²."""
+    """Rows of one strict level, weighted: minimize ½ |A z − b|² + ½ φ̈ᵀ damped φ̈ + slowedᵀ φ̈.
+
+    Attributes
+    ----------
+    damped, slowed : (n,)
+        The diagonal D, and D_s d φ̇, as in `ospace.kernels.qp.program`.
+    """
 
     A: Floats
     b: Floats
-    damping: float
+    damped: Floats
+    slowed: Floats
 
 
 class Solution(NamedTuple):
@@ -56,10 +63,15 @@ def solve_by_levels(
     n, last = len(program.C), len(levels)
     z, N = start, np.eye(len(program.f))
     dropped = []
+    damped, slowed = np.zeros(n), np.zeros(n)  # what damps one level damps those below, which else would swing for it
     for k, level in enumerate(levels):
+        slowed = np.where(level.damped > damped, level.slowed, slowed)
+        damped = np.maximum(level.damped, damped)
         H = level.A.T @ level.A + regularization * np.eye(len(N))
-        H[:n, :n] += level.damping * np.eye(n)
-        found = _within(Program(H, -level.A.T @ level.b, *program[2:]), z, N, solve, _room(k, last))
+        H[:n, :n] += np.diag(damped)
+        f = -level.A.T @ level.b
+        f[:n] += slowed
+        found = _within(Program(H, f, *program[2:]), z, N, solve, _room(k, last))
         if found is not None:
             z = found
         elif z is None:
@@ -70,7 +82,10 @@ def solve_by_levels(
         N = N @ _null_space(level.A @ N, float(np.linalg.norm(level.A)))
         if N.shape[1] == 0:
             return Solution(z, tuple(dropped))
-    found = _within(program, z, N, solve, _room(last, last))
+    H, f = program.H.copy(), program.f.copy()
+    H[:n, :n] += np.diag(damped)
+    f[:n] += slowed
+    found = _within(Program(H, f, *program[2:]), z, N, solve, _room(last, last))
     if found is not None:
         return Solution(found, tuple(dropped))
     return None if z is None else Solution(z, (*dropped, last))

@@ -30,7 +30,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {  # what others take a solution for is to
         "time_limit": 1.0,  # s; on some programs it would go on for minutes
     },
     "osqp": {"eps_abs": 1e-11, "eps_rel": 0.0, "max_iter": 200_000, "polishing": False},
-    "piqp": {"eps_abs": _FINE, "eps_rel": 0.0},
+    "piqp": {"eps_abs": _FINE, "eps_rel": 0.0, "eps_duality_gap_abs": _FINE, "eps_duality_gap_rel": 0.0},
     "scs": {"eps_abs": _TOLERANCE, "eps_rel": 0.0, "max_iters": 200_000},
 }
 _ROUGH = {"ecos": "solves by second-order cones, accurate only to about 1e-4"}

@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from ospace.control import Command, Controller, Task
+from ospace.control.shortfall import Shortfall
 from ospace.kernels.tasks import tables as kernel
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint
@@ -32,8 +33,8 @@ class CycleLog:
 
     Attributes
     ----------
-    statuses, active_limits, near_singularity : Counter
-        Cycles by status, by limit, by task.
+    statuses, active_limits, near_singularity, shortfalls : Counter
+        Cycles by status, by limit, by task, and by why which task fell short.
     """
 
     def __init__(self, controller: Controller) -> None:
@@ -41,6 +42,8 @@ class CycleLog:
         self.statuses: Counter[str] = Counter()
         self.active_limits: Counter[str] = Counter()
         self.near_singularity: Counter[str] = Counter()
+        self.shortfalls: Counter[str] = Counter()
+        self._worst: dict[str, Shortfall] = {}
         self._rows = {task.name: task.rows(controller.robot) for task in controller.tasks}
         self._about_points = [task for task in controller.tasks if task.geometric]
         self._points = _points(self._about_points)
@@ -63,8 +66,18 @@ class CycleLog:
         self.statuses[command.status] += 1
         self.active_limits.update(command.active_limits)
         self.near_singularity.update(command.near_singularity)
+        for one in command.shortfalls:
+            self.shortfalls[one.cause] += 1
+            known = self._worst.get(one.cause)
+            if known is None or (one.distance, one.angle) > (known.distance, known.angle):
+                self._worst[one.cause] = one
         # one call that Ctrl-C cannot divide: a cycle counts when it is whole
         self._cycles.append(_Cycle(time, np.concatenate(tuple(command.errors.values())), command.timing.total))
+
+    @property
+    def most_short(self) -> dict[str, str]:
+        """By how much a task fell short at most, by why."""
+        return {cause: one.size for cause, one in self._worst.items()}
 
     @property
     def time(self) -> Floats:

@@ -58,7 +58,7 @@ def rehearse(scenario: Scenario, problems: list[Problem], *, target_known: bool)
         try:
             limits = scenario.limits.of(robot, scenario.robot)
             tasks = [task.task(robot) for task in phase.tasks]
-            Controller(robot, tasks, base=scenario.base, limits=limits, period=scenario.control.period)
+            Controller(robot, tasks, base=scenario.base, limits=limits, **scenario.control.settings)
         except OspaceError as error:
             problems.append((phase.key, str(error)))
     if problems:

@@ -122,6 +122,10 @@ class PhaseResult:
         kinematics. The base is not among them: its pose is the first seven numbers of q.
     grasp : Contact, optional
         That ended it.
+    shortfalls : mapping of str to int
+        Cycles in which a task fell short of its reference, by why, as ``'out of reach: hand'``.
+    most_short : mapping of str to str
+        By how much at most, by why, as ``'0.56 m short along (0.93, 0, 0.37)'``.
     """
 
     name: str
@@ -139,6 +143,8 @@ class PhaseResult:
     sigma_min: Mapping[str, Floats] = field(default_factory=dict)
     poses: Mapping[str, Floats] = field(default_factory=dict)
     grasp: Contact | None = None
+    shortfalls: Mapping[str, int] = field(default_factory=dict)
+    most_short: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)

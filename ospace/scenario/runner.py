@@ -87,8 +87,7 @@ class _Phase:
             tasks,
             base=scenario.base,
             limits=scenario.limits.of(start.robot, scenario.robot),
-            period=start.period,
-            solver=scenario.control.solver,
+            **scenario.control.settings,
         )
         self.controller.warm_up()
         self._awaited = [task.name for task in tasks if task.completion is not None]
@@ -131,6 +130,8 @@ class _Phase:
             cycle_time=cycles.cycle_time,
             sigma_min=cycles.sigma_min,
             poses=cycles.poses,
+            shortfalls=dict(cycles.shortfalls),
+            most_short=cycles.most_short,
         )
 
 

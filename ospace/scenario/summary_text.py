@@ -12,7 +12,7 @@ from ospace.scenario.result import PhaseResult, Verdict
 from ospace.simulation import Excess
 
 _SHOWN = {"m": (1e3, "mm"), "rad": (180.0 / math.pi, "deg")}
-_MOST_LIMITS = 6
+_MOST_LIMITS, _MOST_SHORTFALLS = 6, 4
 
 
 def errors(norms: Floats, units: tuple[str, str]) -> str:
@@ -38,7 +38,9 @@ def cycles(phase: PhaseResult) -> str:
 
 
 def remarks(phase: PhaseResult) -> Iterator[str]:
-    """Yield what is worth a line of its own: limits, singularities, grasps."""
+    """Yield what is worth a line of its own: tasks that fell short, limits, singularities, grasps."""
+    for cause, count in sorted(phase.shortfalls.items(), key=lambda item: -item[1])[:_MOST_SHORTFALLS]:
+        yield f"{phase.name}: {cause}, at most {phase.most_short[cause]} ({count} cycles)"
     if phase.active_limits:
         most = sorted(phase.active_limits.items(), key=lambda item: -item[1])
         shown = ", ".join(f"{limit} ({count} cycles)" for limit, count in most[:_MOST_LIMITS])
@@ -59,6 +61,19 @@ def remarks(phase: PhaseResult) -> Iterator[str]:
 def exceeded(limits: Mapping[str, Excess]) -> str:
     """Return which limits of joints were passed, and how far."""
     return ", ".join(f"{limit} by {excess}" for limit, excess in limits.items()) or "none"
+
+
+def remedy(run: Verdict, step: float) -> str:
+    """Return how to tell whether a certificate failed for the integrator's `step` (s); nothing where it passed."""
+    failed = [one for one in run.certificate.quantities if not one.passed and math.isfinite(one.error + one.scale)]
+    if not failed:
+        return ""
+    names = ", ".join(one.name for one in failed)
+    return (
+        f"off: {names}. Torques that change by much from cycle to cycle, or a step of {step * 1e3:g} ms that "
+        f'is too long, make such errors: run it with control.step = "{step * 500.0:g} ms"; if they fall to a '
+        "tenth or less, it was the step"
+    )
 
 
 def verdict(run: Verdict) -> str:

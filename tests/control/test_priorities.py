@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pinocchio as pin
 import pytest
-from commands import leveled_states, state, unlimited
+from commands import KEPT, leveled_states, state, unlimited
 
 import ospace
 from ospace.control import (
@@ -44,15 +44,16 @@ def test_a_strict_level_costs_those_above_nothing(chaser, hand, head):
         BaseAttitudeTask(name="base", robot=chaser, level=2, reference=Constant(pin.SE3.Identity())),
         PoseTask(name="left", point=chaser.point("left_hand"), reference=Constant(pin.SE3.Identity())),
     ]
-    alone = Controller(chaser, [PoseTask(**first, level=0)], limits=unlimited(chaser)).update(0.0, q, v)
-    together = Controller(chaser, [PoseTask(**first, level=0), *rest], limits=unlimited(chaser)).update(0.0, q, v)
+    own = {"limits": unlimited(chaser), "trust_radius": 1e6}  # the turn that is asked of the head is a long one
+    alone = Controller(chaser, [PoseTask(**first, level=0)], **own).update(0.0, q, v)
+    together = Controller(chaser, [PoseTask(**first, level=0), *rest], **own).update(0.0, q, v)
     for command in (alone, together):
         assert np.abs(command.residuals["hand"]).max() < 1e-4
     difference = together.residuals["hand"] - alone.residuals["hand"]
     assert np.abs(difference).max() < 1e-8
     assert np.abs(together.residuals["head"]).max() < 1e-2
     tasks = [PoseTask(**first), *(type(task)(**{**vars(task), "level": None}) for task in rest)]
-    weighted = Controller(chaser, tasks, limits=unlimited(chaser)).update(0.0, q, v)
+    weighted = Controller(chaser, tasks, **own).update(0.0, q, v)
     assert np.abs(weighted.residuals["hand"]).max() > 1e-2
 
 
@@ -65,7 +66,7 @@ def test_levels_keep_limits(chaser, hand, head):
         PostureTask(name="posture", weight=1.0),
     ]
     command = Controller(chaser, tasks, limits=limits).update(0.0, q, 0.1 * v)
-    assert command.status == "nominal"
+    assert command.status in KEPT
     assert (np.abs(command.torque) <= limits.torque * (1 + 1e-8)).all()
     assert (np.abs(command.joint_acceleration) <= 5.0 + 1e-4).all()
 
@@ -88,7 +89,7 @@ def test_no_level_is_dropped_and_levels_are_those_of_quadprog(name, solver):
             for kind in (solver, "quadprog")
         )
         assert one.status == other.status != "degraded"
-        if one.status == "nominal":
+        if one.status in KEPT:
             atol = 1e-3 * (1.0 + np.abs(other.torque).max())
             np.testing.assert_allclose(one.torque, other.torque, rtol=0, atol=atol)
 

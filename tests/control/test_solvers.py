@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import qpsolvers
-from commands import SOLVERS, accelerations, leveled_states, paper_tasks, state
+from commands import KEPT, SOLVERS, accelerations, leveled_states, paper_tasks, state
 
 import ospace
 from ospace.control import (
@@ -65,6 +65,6 @@ def test_all_solvers_give_the_same_by_levels(chaser, hand, solver):
         one, other = (
             Controller(chaser, tasks, limits=limits, solver=name).update(0.0, q, v) for name in ("daqp", solver)
         )
-        assert one.status == other.status == "nominal", (one.explanation, other.explanation)
+        assert {one.status, other.status} <= {*KEPT}, (one.explanation, other.explanation)
         assert not other.dropped
         np.testing.assert_allclose(other.torque, one.torque, rtol=0, atol=1e-4 * (1.0 + np.abs(one.torque).max()))

@@ -4,7 +4,7 @@ import missions
 import numpy as np
 import pinocchio as pin
 import pytest
-from commands import SOLVERS, accelerations, state, unlimited
+from commands import KEPT, SOLVERS, accelerations, state, unlimited
 
 from ospace.control import (
     BaseAttitudeTask,
@@ -57,7 +57,7 @@ def test_a_hinge_without_a_drive_is_moved_by_the_others_alone(tmp_path):
     done = missions.flown(tmp_path, RUN)
     assert done.passed
     assert done.exceeded == {}
-    assert set(done.phases[0].statuses) == {"nominal"}
+    assert set(done.phases[0].statuses) == {"nominal", "falling short"}  # the hinge gives way
     assert not any("hinge" in name for name in done.phases[0].active_limits)
     (segment,) = done.segments
     hinge = list(segment.robot.joint_names).index("hinge")
@@ -84,10 +84,10 @@ def test_joints_without_a_drive_move_as_the_others_make_them(chaser, hand, head,
         PostureTask(name="posture", weight=0.1),
     ]
     limits = unlimited(chaser, torque=np.where(np.isin(np.arange(18), joints), 0.0, np.inf))
-    run = Controller(chaser, tasks, limits=limits, regularization=1e-6, solver=solver)
+    run = Controller(chaser, tasks, limits=limits, regularization=1e-6, solver=solver, trust_radius=1e6)
     command = run.update(0.0, q, v)
     assert (command.torque[list(joints)] == 0.0).all()
-    assert command.status == "nominal"
+    assert command.status in KEPT
     assert not any(chaser.joint_names[j] in limit for j in joints for limit in command.active_limits)
     model, data = chaser.model, chaser.model.createData()
     H = pin.crba(model, data, q)
@@ -96,7 +96,7 @@ def test_joints_without_a_drive_move_as_the_others_make_them(chaser, hand, head,
     coupling = np.linalg.solve(H[:6, :6], np.column_stack([H[:6, 6:], c[:6]]))
     reduced, bias = H[6:, 6:] - H[6:, :6] @ coupling[:, :18], c[6:] - H[6:, :6] @ coupling[:, 18]
     A, asked = [], []
-    free = Controller(chaser, tasks, limits=unlimited(chaser), regularization=1e-6).update(0.0, q, v)
+    free = Controller(chaser, tasks, limits=unlimited(chaser), regularization=1e-6, trust_radius=1e6).update(0.0, q, v)
     for task in tasks:
         rows = slice(*np.cumsum([0, 6, 3, 18])[[tasks.index(task), tasks.index(task) + 1]])
         A.append(np.sqrt(task.weight) * free._rows[0][rows])
@@ -128,10 +128,10 @@ def test_no_state_drives_a_joint_without_a_drive(chaser, hand, leveled):
         q, v = state(chaser, seed, speed=(0.0, 0.1, 1.0)[seed % 3])
         command = Controller(chaser, tasks, limits=limits).update(0.0, q, v)
         seen.add(command.status)
-        assert command.status in ("nominal", "softened"), command.explanation
+        assert command.status in (*KEPT, "softened"), command.explanation
         assert (command.torque[[1, 9]] == 0.0).all()
         for j, name in zip((1, 9), names, strict=True):
             rate = v[6 + j] + 1e-3 * command.joint_acceleration[j]
             passed = abs(rate) > limits.velocity[j] + 1e-7 or abs(command.joint_acceleration[j]) > 5.0 + 1e-4
             assert passed <= (name in command.softened), (seed, command.explanation)
-    assert seen == {"nominal", "softened"}
+    assert seen >= {"falling short", "softened"}

@@ -1,15 +1,21 @@
 """Bounds of the program: the clamp of joint accelerations, and torque limits.
 
 The bounds on φ̈ come of position, velocity and acceleration limits in one clamp. With h the period, over which φ̈ is
-held, a the deceleration at hand and d the way to a position limit that is left if the speed falls to zero in it,
+held, T ≥ h the horizon, a the deceleration at hand and d the way to a position limit that is left if the speed falls to
+zero in a period,
 
-    ceiling(d) = √((a h)² + 2 a d) − a h   for d ≥ 0,   −ceiling(−d) beyond
+    ceiling(d) = √((a T)² + 2 a d) − a T   for d ≥ 0,   −ceiling(−d) beyond
     φ̇_max = min(v, ceiling(φ_max − φ − h φ̇/2)),   φ̇_min = −min(v, ceiling(φ + h φ̇/2 − φ_min))
-    (φ̇_min − φ̇)/h ≤ φ̈ ≤ (φ̇_max − φ̇)/h
+    (φ̇_min − φ̇)/r ≤ φ̈ ≤ (φ̇_max − φ̇)/r,   r = max(h, T/4)
 
-at most ± the acceleration limit; and where a joint is outside already, no more than a is asked of it to come back.
-Since ceiling grows with d, φ̇_min ≤ φ̇_max wherever φ is; so the bounds never contradict each other. The φ̈ of a joint
-without a drive, whose torque limit is 0, has no bounds: nothing of its own could keep them.
+ceiling(d) is the speed from which a stop is possible after the way of one horizon: T ceiling + ceiling²/(2 a) = d.
+Next to a limit, where ceiling(d) = d/T, a joint that is pushed against it comes to rest as the critically damped
+T²/4 φ̈ + T φ̇ + (φ − φ_max) = 0 does, which stands delays of T/8 and some noise. With T = h it rests by deadbeat, in one
+period, and swings under any delay and any noise.
+
+The bounds are at most ± the acceleration limit; and where a joint is outside already, no more than a is asked of it to
+come back. Since ceiling grows with d, φ̇_min ≤ φ̇_max wherever φ is; so the bounds never contradict each other. The φ̈ of
+a joint without a drive, whose torque limit is 0, has no bounds: nothing of its own could keep them.
 """
 
 from __future__ import annotations
@@ -29,7 +35,7 @@ from ospace.kernels.workspace import Work
 
 @inlined
 def ceiling(d: float, a: float, h: float) -> float:
-    """Largest speed at the end of a period of h from which a stop within d is possible; back inside for d < 0."""
+    """Largest speed from which a stop within d is possible, one horizon of h later; back inside for d < 0."""
     speed = 2.0 * a * abs(d) / (math.sqrt(a * h * a * h + 2.0 * a * abs(d)) + a * h + 1e-300)
     return speed if d >= 0.0 else -speed
 
@@ -38,6 +44,8 @@ def ceiling(d: float, a: float, h: float) -> float:
 def clamp_joints(joints: Joints, w: Work, limits: ProgramLimits, program: Program, outside: Floats) -> float:
     """Bounds on φ̈; write by how much each joint is outside its position limits (n,), and return the largest."""
     h, farthest = limits.reaction, 0.0
+    T = max(h, limits.horizon)
+    r = max(h, 0.25 * T)
     for j in range(limits.velocity.size):
         rate, most, v, i = w.velocity[j + 6, 0], limits.acceleration[j], limits.velocity[j], joints.link_of[j]
         fast, slow = v, -v
@@ -53,9 +61,9 @@ def clamp_joints(joints: Joints, w: Work, limits: ProgramLimits, program: Progra
         a = max(min(most, limits.braking * force / w.generalized_inertia[j, j]), 1e-6)
         if joints.kind[i] in (REVOLUTE, PRISMATIC, HELICAL):
             angle = w.q[joints.first[i], 0] + 0.5 * h * rate
-            fast = min(v, max(-v, ceiling(limits.position[1, j] - angle, a, h)))
-            slow = -min(v, max(-v, ceiling(angle - limits.position[0, j], a, h)))
-        low, high = min((slow - rate) / h, a), max((fast - rate) / h, -a)
+            fast = min(v, max(-v, ceiling(limits.position[1, j] - angle, a, T)))
+            slow = -min(v, max(-v, ceiling(angle - limits.position[0, j], a, T)))
+        low, high = min((slow - rate) / r, a), max((fast - rate) / r, -a)
         program.lower[j], program.upper[j] = min(max(low, -most), most), min(max(high, -most), most)
         program.cause[0, j] = ACCELERATION if low <= -most else VELOCITY if slow == -v else POSITION
         program.cause[1, j] = ACCELERATION if high >= most else VELOCITY if fast == v else POSITION

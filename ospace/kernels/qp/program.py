@@ -2,8 +2,20 @@
 
 With z = [φ̈; û] as in `tasks`, and W the weights of the rows,
 
-    minimize ½ zᵀ H z + fᵀ z,   H = Aᵀ W A + ε + damping,   f = −Aᵀ W b
+    minimize ½ zᵀ H z + fᵀ z,   H = Aᵀ W A + ε + D,   f = −Aᵀ W b + D_s d φ̇
     subject to  lower ≤ [z; C z] ≤ upper,   C = [H_m*, −J_b*ᵀ B],   τ = C z + c_m* − τ_f    (7)
+
+The joints are damped by the diagonal D = D_s + D_0. A task of r rows A, error e and damping d, with a_k the column of
+joint k and ā² = |A|² / r, adds to these
+
+    D_s:  w s (|a_k|² + 0.03 ā²),   s = min(1, |e|² / (δ ā)²)     min ½ w s (|a_k|² + 0.03 ā²) (φ̈_k + d φ̇_k)²
+    D_0:  w damping (1 − p / singular)² ā²,   if p < singular     p the smallest pivot of A Aᵀ at unit diagonal
+
+D_s is Levenberg's and Marquardt's: |e| / ā is about how far joints have to move to make up for e, and the rows hold
+only within a trust radius δ of here. Beyond it, as where a target is out of reach, b pulls a stretched arm straight
+from either side, while the damping that it demands of the error's rate vanishes, as d σ² does along a direction of
+singular value σ: the arm would swing at full torque. So joints are damped by d themselves, those that move the task by
+their share. In passing a singularity e is next to nothing, and so is s. D_0 bounds φ̈ there, and leaves φ̇ alone.
 
 τ_f is the torque of friction (`joint_friction`), for which drives make up within their limits. The program has it at φ̇.
 The torque, which is held over the period, makes up for it at φ̇ + h φ̈, so that a light joint with much friction, which
@@ -21,12 +33,17 @@ from ospace.kernels.qp.joint_limits import clamp_joints, friction_at, limit_torq
 from ospace.kernels.qp.tables import Answer, Program, ProgramLimits, Resistance, Weights
 from ospace.kernels.spatial import add6, scale6
 from ospace.kernels.tasks.all_tasks import assemble_rows
-from ospace.kernels.tasks.tables import BaseActuation, TaskRows, Tasks
+from ospace.kernels.tasks.tables import CENTRE_OF_MASS, BaseActuation, TaskRows, Tasks
 from ospace.kernels.tree import Floats
-from ospace.kernels.workspace import open_robot, open_work
+from ospace.kernels.workspace import Work, open_robot, open_work
 
 NOTHING, DEPENDENT = 1e-20, 1e-14
 """Square of a row that moves nothing; share of a row's square that is rounding."""
+LEAST_STIFFNESS = 1.0
+"""1/s², of a task that is taken for short of its reference by its residual."""
+EVENLY = 0.03
+"""Of the mean square of rows, by which all joints are damped beside those that move the task: it may rest on others, as
+where a joint is at a limit or another task stands against it."""
 
 
 @inlined
@@ -64,7 +81,28 @@ def independence(A: Floats, first: int, last: int, work: Floats) -> float:
 
 
 @inlined
-def assemble_objective(tasks: Tasks, rows: TaskRows, weights: Weights, program: Program, n: int) -> None:
+def damp_joints(A: Floats, error: Floats, first: int, last: int, t: int, weights: Weights) -> None:
+    """D_0 + D_s and D_s of one task, over its weight."""
+    n = weights.damped.shape[1]
+    whole, far = 0.0, 0.0
+    for row in range(first, last):
+        far += error[row] * error[row]
+        for k in range(A.shape[1]):
+            whole += A[row, k] * A[row, k]
+    mean = whole / (last - first)
+    trusted = weights.trust_radius * weights.trust_radius * mean
+    s = far / trusted if far < trusted else 1.0
+    near = max(0.0, 1.0 - weights.independence[t] / weights.singular)
+    for k in range(n):
+        square = EVENLY * mean
+        for row in range(first, last):
+            square += A[row, k] * A[row, k]
+        weights.slowed[t, k] = s * square
+        weights.damped[t, k] = weights.slowed[t, k] + weights.damping * near * near * mean
+
+
+@inlined
+def assemble_objective(w: Work, tasks: Tasks, rows: TaskRows, weights: Weights, program: Program, n: int) -> None:
     """H and f."""
     H, f = program.H, program.f
     size = f.size
@@ -76,18 +114,13 @@ def assemble_objective(tasks: Tasks, rows: TaskRows, weights: Weights, program: 
     for t in range(tasks.kind.size):
         weight = weights.task[t]
         first, last = tasks.first[t], tasks.first[t + 1]
-        weights.independence[t] = 1.0
         if tasks.geometric[t]:
-            pivot = independence(rows.A, first, last, weights.orthogonal)
-            weights.independence[t] = pivot
-            if pivot < weights.singular and weight > 0.0:
-                trace = 0.0
-                for row in range(first, last):
-                    for k in range(size):
-                        trace += rows.A[row, k] * rows.A[row, k]
-                near = 1.0 - pivot / weights.singular
-                for k in range(n):
-                    H[k, k] += weight * weights.damping * near * near * trace / (last - first)
+            weights.independence[t] = independence(rows.A, first, last, weights.orthogonal)
+            damp_joints(rows.A, rows.error, first, last, t, weights)
+            for k in range(n):
+                weights.slowed[t, k] *= tasks.gain[t, 1] * w.velocity[k + 6, 0]
+                H[k, k] += weight * weights.damped[t, k]
+                f[k] += weight * weights.slowed[t, k]
         if weight > 0.0:
             for row in range(first, last):
                 for i in range(size):
@@ -120,7 +153,7 @@ def assemble(
     assemble_rows(w, robot, base, tasks, rows, time)
     farthest = clamp_joints(robot.joints, w, limits, program, outside)
     limit_torque(w, base, limits, resistance, program)
-    assemble_objective(tasks, rows, weights, program, limits.velocity.size)
+    assemble_objective(w, tasks, rows, weights, program, limits.velocity.size)
     return farthest
 
 
@@ -131,11 +164,15 @@ def recover_solution(
     base: BaseActuation,
     h: float,
     resistance: Resistance,
+    tasks: Tasks,
     rows: TaskRows,
     program: Program,
     answer: Answer,
-) -> float:
-    """Torque, base acceleration and residuals of a solution; return by how much it passes a bound, relative to that."""
+) -> tuple[float, bool]:
+    """Torque, base acceleration and residuals of a solution.
+
+    Return by how much it passes a bound, relative to that, and whether a task falls short of its reference.
+    """
     w = open_work(unowned(memory), zeros(1))
     n, excess = answer.torque.size, 0.0
     for k in range(z.size):
@@ -157,7 +194,29 @@ def recover_solution(
         for k in range(z.size):
             s += rows.A[row, k] * z[k]
         answer.residual[row] = s
-    return excess
+    return excess, fall_short(tasks, answer)
+
+
+@inlined
+def fall_short(tasks: Tasks, answer: Answer) -> bool:
+    """Write by how much each geometric task stays short; return whether one does by more than it may.
+
+    A residual A z − b that lasts is an error that rests at |A z − b| / k: there the spring alone asks for as much.
+    """
+    short = False
+    for t in range(tasks.kind.size):
+        if not tasks.geometric[t] and tasks.kind[t] != CENTRE_OF_MASS:
+            continue
+        linear, angular, k = 0.0, 0.0, max(tasks.gain[t, 0], LEAST_STIFFNESS)
+        for row in range(tasks.first[t], tasks.first[t + 1]):
+            square = answer.residual[row] * answer.residual[row]
+            if tasks.rows[row] < 3:
+                linear += square
+            else:
+                angular += square
+        answer.short[t, 0], answer.short[t, 1] = math.sqrt(linear) / k, math.sqrt(angular) / k
+        short |= answer.short[t, 0] > answer.allowed[t, 0] or answer.short[t, 1] > answer.allowed[t, 1]
+    return short
 
 
 @inlined

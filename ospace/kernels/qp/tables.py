@@ -27,6 +27,8 @@ class ProgramLimits(NamedTuple):
     """(2, k) of û."""
     reaction: float
     """h, s."""
+    horizon: float
+    """T, s."""
     braking: float
     """Share of what the torque limit could decelerate that the clamp counts on."""
 
@@ -65,11 +67,17 @@ class Weights(NamedTuple):
     singular: float
     """Independence of a task's rows below which they are damped."""
     damping: float
-    """Largest damping, relative to the mean diagonal of A Aᵀ."""
+    """Largest damping there, relative to the mean diagonal of A Aᵀ."""
+    trust_radius: float
+    """δ, rad or m."""
     independence: Floats
     """(T,) work: smallest pivot of A Aᵀ of each task at unit diagonal."""
     orthogonal: Floats
     """(m, n + k) work."""
+    damped: Floats
+    """(T, n) work: D of each task over its weight, zero for tasks that are not geometric."""
+    slowed: Floats
+    """(T, n) work: D_s d φ̇, likewise."""
 
 
 class Answer(NamedTuple):
@@ -80,3 +88,7 @@ class Answer(NamedTuple):
     """(1, 6)."""
     residual: Floats
     """(m,) A z − b."""
+    short: Floats
+    """(T, 2) by how much linear and angular rows of each task about points stay short: |A z − b| / k."""
+    allowed: Floats
+    """(T, 2) what each may be short by."""

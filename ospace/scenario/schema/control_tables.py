@@ -20,6 +20,7 @@ from ospace.scenario.units import Quantity
 from ospace.simulation.integrators import INTEGRATORS
 
 _WHOLE = 1e-9
+Setting = Annotated[float, Quantity("number", above=0.0)]
 
 
 def _installed(solver: str) -> str:
@@ -79,6 +80,19 @@ class ControlTable(Table):
         "daqp", description="daqp, proxqp, or a back-end of qpsolvers that is installed"
     )
     integrator: Annotated[str, OneOf(INTEGRATORS)] = Field("rk4", description="Scheme that integrates the motion")
+    trust_radius: Setting = Field(1.0, description="Joint motion that an error may ask for undamped, rad or m")
+    singular: Setting = Field(1e-5, description="Independence of a task's rows, 0 to 1, below which joints are damped")
+    damping: Setting = Field(1e-2, description="Weight of that damping, relative to the mean square of the rows")
+    regularization: Setting = Field(1e-6, description="Weight of squared accelerations")
+    limit_horizon: Period | None = Field(
+        None, description="How far ahead motion limits are seen; 40 ms, or two periods if that is longer"
+    )
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """What a `Controller` takes of it, by its arguments."""
+        taken = ("period", "solver", "trust_radius", "singular", "damping", "regularization", "limit_horizon")
+        return {name: getattr(self, name) for name in taken}
 
     @model_validator(mode="after")
     def _short_step(self) -> ControlTable:

@@ -28,6 +28,7 @@ def clamp_and_measure(
     inertia=1.0,
     kind=REVOLUTE,
     braking=0.8,
+    horizon=PERIOD,
 ):
     """Likewise; and by how much the joint is outside its position limits, by itself and as the largest of all."""
     joints = SimpleNamespace(kind=np.array([0, kind]), first=np.array([0, 7]), link_of=np.array([1]))
@@ -37,7 +38,7 @@ def clamp_and_measure(
     )  # fmt: skip
     limits = SimpleNamespace(
         torque=np.array(torque)[:, None], position=np.array(position)[:, None], velocity=np.array([velocity]),
-        acceleration=np.array([acceleration]), reaction=PERIOD, braking=braking,
+        acceleration=np.array([acceleration]), reaction=PERIOD, horizon=horizon, braking=braking,
     )  # fmt: skip
     program = SimpleNamespace(lower=np.zeros(1), upper=np.zeros(1), cause=np.zeros((2, 1), dtype=np.int64))
     outside = np.full(1, np.nan)
@@ -115,6 +116,28 @@ def test_deceleration_is_what_the_weaker_torque_limit_leaves():
             assert bounds[1 if side > 0.0 else 0] == pytest.approx(side * expected, rel=1e-12)
 
 
+@pytest.mark.parametrize("horizon", [0.5 * PERIOD, 2.0 * PERIOD, 20.0 * PERIOD])
+def test_a_horizon_is_looked_ahead_and_no_less_than_a_period(horizon):
+    """(φ̇_max − φ̇)/r with r = max(h, T/4), and the ceiling of T."""
+    way, rate, a, T = 0.05, 0.4, decelerating(), max(horizon, PERIOD)
+    r = max(PERIOD, 0.25 * T)
+    expected = max((ceiling(way - 0.5 * PERIOD * rate, a, T) - rate) / r, -a)
+    assert clamp(1.0 - way, rate, horizon=horizon)[1] == pytest.approx(expected, rel=1e-12)
+    slow = (0.5 - 0.495) / r
+    assert clamp(0.0, 0.495, horizon=horizon)[1] == pytest.approx(slow, rel=1e-12)
+
+
+def test_against_a_limit_a_joint_comes_to_rest_critically_damped():
+    """T²/4 φ̈ + T φ̇ + (φ − φ_max) = 0 close to it, whatever pushes."""
+    T, step = 20.0 * PERIOD, 1e-7
+    at = clamp(1.0, 0.0, horizon=T)[1]
+    by_position = (clamp(1.0 - step, 0.0, horizon=T)[1] - at) / step
+    by_rate = (clamp(1.0, -step, horizon=T)[1] - at) / step
+    assert at == 0.0
+    assert by_position == pytest.approx(4.0 / T**2, rel=1e-3)
+    assert by_rate == pytest.approx(4.0 / T + 0.5 * PERIOD * 4.0 / T**2, rel=1e-3)
+
+
 def test_outside_of_its_limits_a_joint_is_asked_back_no_harder_than_it_can_brake():
     a = decelerating(inertia=4.0)
     low, high, _, of_high = clamp(1.3, 0.0, inertia=4.0)
@@ -170,6 +193,7 @@ def test_each_joint_is_clamped_by_its_own_numbers():
         velocity=np.array([0.5, 1.0, 0.7]),
         acceleration=np.array([2.0, 3.0, 4.0]),
         reaction=PERIOD,
+        horizon=PERIOD,
         braking=0.8,
     )
     program = SimpleNamespace(lower=np.zeros(3), upper=np.zeros(3), cause=np.zeros((2, 3), dtype=np.int64))
