@@ -204,7 +204,16 @@ class Command:
     def lost_direction(self, task: str) -> tuple[Floats, bool]:
         """Return the direction in which a task's point moves least, and whether it is one to turn about.
 
-        A unit vector, inertial axes: the larger part of the left singular vector of its rows at σ_min.
+        Parameters
+        ----------
+        task : str
+            Of a task about points or axes.
+
+        Returns
+        -------
+        direction : (3,)
+            Unit vector, inertial axes: the larger part of the left singular vector of the task's rows at σ_min.
+        turning : bool
         """
         t = list(self._layout.tasks).index(task)
         own = slice(self._layout.first[t], self._layout.first[t + 1])
