@@ -1,4 +1,4 @@
-"""What the literature derives of the dynamics of a floating arm: rates, null spaces, maps of reaction, base motion."""
+"""Quantities that the literature derives for a floating arm: rates, null spaces, maps of reaction, base motion."""
 
 from ospace.analysis.base_motion import base_motion, base_turn
 from ospace.analysis.measures import (

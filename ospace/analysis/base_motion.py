@@ -1,4 +1,4 @@
-"""How the base moves while the joints follow a path and nothing else acts.
+"""Motion of the base while the joints follow a path and nothing else acts.
 
 With P the linear momentum and L the angular one about the mass centre, both kept,
 

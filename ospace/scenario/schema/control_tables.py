@@ -90,7 +90,7 @@ class ControlTable(Table):
 
     @property
     def settings(self) -> dict[str, Any]:
-        """What a `Controller` takes of it, by its arguments."""
+        """Arguments that a `Controller` takes of it, by name."""
         taken = ("period", "solver", "trust_radius", "singular", "damping", "regularization", "limit_horizon")
         return {name: getattr(self, name) for name in taken}
 
