@@ -1,4 +1,4 @@
-"""Reasons for which a task falls short of its reference: out of reach, held back by limits or by other tasks, or on its way.
+"""Reasons for a task that falls short of its reference: out of reach, held back by limits or other tasks, on its way.
 
 With r = A z − b the residual of a task's rows, −Aᵀ r is how it pulls at joints and base, and ā |r| about as much as it
 can, ā² = |A|² / rows. What stands against the pull tells why the task falls short:
