@@ -3,12 +3,15 @@
 from ospace.control.base import Base
 from ospace.control.command import Command
 from ospace.control.controller import Controller
+from ospace.control.inequalities import Inequality, RowsInequality
+from ospace.control.instant import Instant
 from ospace.control.limits import JointLimits
 from ospace.control.references import Constant, Function, MinimumJerk
 from ospace.control.tasks import (
     BaseAttitudeTask,
     CentreOfMassTask,
     Completion,
+    CustomTask,
     DampingTask,
     LookAtTask,
     MomentumTask,
@@ -17,6 +20,7 @@ from ospace.control.tasks import (
     PositionTask,
     PostureTask,
     RelativePoseTask,
+    RowsTask,
     Task,
 )
 
@@ -28,8 +32,11 @@ __all__ = [
     "Completion",
     "Constant",
     "Controller",
+    "CustomTask",
     "DampingTask",
     "Function",
+    "Inequality",
+    "Instant",
     "JointLimits",
     "LookAtTask",
     "MinimumJerk",
@@ -39,5 +46,7 @@ __all__ = [
     "PositionTask",
     "PostureTask",
     "RelativePoseTask",
+    "RowsInequality",
+    "RowsTask",
     "Task",
 ]

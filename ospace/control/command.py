@@ -24,9 +24,11 @@ class Layout:
 
     joints: Sequence[str]
     units: Mapping[str, str]
-    """Of positions: rad or m, by joint name."""
+    """Of positions and of the values of inequalities, by name: rad, m, or what these have."""
     components: Sequence[str]
     """Of the wrench on the base that are actuated."""
+    inequalities: Sequence[str]
+    """Names of their rows."""
     largest: Floats
     """Limits of these, as the program has them; wheels near their momentum are bounded more narrowly."""
     tasks: Sequence[str]
@@ -73,14 +75,16 @@ class Command:
     status : "nominal", "falling short", "softened", "outside limits", "degraded" or "stopped"
         The last of these that holds: all limits are kept, and every task about points or axes follows its reference
         within the bounds of its completion test, or 1 cm and 1 deg; a task does not, as `shortfalls` tells; motion
-        limits had to give way to torque limits; a joint is outside its position limits; no solution was found for tasks
-        of a level; nothing could be solved and the joints are braked.
-    softened : dict of joint name to float
-        By how much a joint's acceleration passes the bounds that its motion limits set, rad/s² or m/s².
+        limits and inequalities had to give way to torque limits; a joint is outside its position limits, or the value
+        of an inequality below 0; no solution was found for tasks of a level; nothing could be solved and the joints
+        are braked.
+    softened : dict of name to float
+        By how much a joint's acceleration passes the bounds that its motion limits set, rad/s² or m/s²; or a row of an
+        inequality its bound.
     dropped : dict of level to tuple of str
         Levels without a solution, None for the tasks without a level, and the names of their tasks, which are undone.
-    outside : dict of joint name to float
-        By how much a joint is outside its position limits, rad or m.
+    outside : dict of name to float
+        By how much a joint is outside its position limits, rad or m; or the value of an inequality below 0.
     timing : Timing
     """
 
@@ -121,9 +125,11 @@ class Command:
         for side, bound, sign in (("lower", lower, -1.0), ("upper", upper, 1.0)):
             on = sign * (value - bound) > -_ON * np.maximum(1.0, np.abs(bound))
             for i in map(int, np.flatnonzero(on)):
-                if i >= n + m and lower[i] == upper[i]:
+                if n + m <= i < n + m + n and lower[i] == upper[i]:
                     continue  # a joint without a drive
-                if i < n:
+                if i >= n + m + n:
+                    what = self._layout.inequalities[i - n - m - n]
+                elif i < n:
                     what = f"{joints[i]}: {_CAUSES[cause[0 if side == 'lower' else 1, i]]}"
                 elif i >= n + m:
                     what = f"{joints[i - n - m]}: torque"

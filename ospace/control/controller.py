@@ -18,12 +18,14 @@ from ospace.checks import check_kind, checked_number, checked_vector
 from ospace.control.base import Base, parse_base
 from ospace.control.command import Command, Layout, Status, Timing
 from ospace.control.completion import CompletionWatch
+from ospace.control.custom_rows import CustomRows, Written
+from ospace.control.inequalities import Inequality, RowsInequality
 from ospace.control.kernel_layout import base_actuation, empty_program, limit_tables, task_tables
 from ospace.control.limits import JointLimits
 from ospace.control.priorities import Level, Solution, relaxed, solve_by_levels
 from ospace.control.references import Constant, Function, Reference
-from ospace.control.solvers import solver_named
-from ospace.control.tasks import Completion, Task
+from ospace.control.solvers import Solver, solver_of
+from ospace.control.tasks import Completion, CustomTask, RowsTask, Task
 from ospace.control.tasks.base_attitude import base_point
 from ospace.control.wheels import Wheels
 from ospace.dynamics.evaluator import OperationalSpaceEvaluator
@@ -52,7 +54,7 @@ _HORIZON = 0.04
 """How far ahead motion limits are seen, s."""
 _BRAKING_TIME = 0.1
 """Within which joints are braked where nothing can be solved, s."""
-_LOOKED_UP = ("_solve", "_R", "_place", "_q", "_v")
+_LOOKED_UP = ("_solve", "_custom", "_R", "_place", "_q", "_v")
 
 
 class _Outcome(NamedTuple):
@@ -77,10 +79,13 @@ class Controller:
         What acts upon the base. Nothing does on a floating one: it moves as the joints make it (7), (12).
     limits : JointLimits, optional
         Those of the robot's model without it.
+    inequalities : sequence of Inequality or RowsInequality
+        Of different names, which no task has.
     period : float
         Of the control cycle, s.
-    solver : str
-        "daqp", "proxqp", or a back-end of qpsolvers.
+    solver : str or function
+        "daqp", "proxqp", or a back-end of qpsolvers; or a function from a `Program` to z (n + k,), or None where it
+        finds no solution.
     braking : float
         Share of what a joint's torque limit could decelerate that the approach to its position limits counts on.
     limit_horizon : float, optional
@@ -109,7 +114,7 @@ class Controller:
     Raises
     ------
     OspaceError
-        Two tasks of one name, or none; an unknown mode or solver; a task of
+        Two tasks of one name, or none; a task of an unknown kind; an unknown mode or solver; a task of
         another robot's point; a limit or number that makes no sense.
     """
 
@@ -120,8 +125,9 @@ class Controller:
         *,
         base: Base | str = "floating",
         limits: JointLimits | None = None,
+        inequalities: Inequality | RowsInequality | Sequence[Inequality | RowsInequality] = (),
         period: float = 1e-3,
-        solver: str = "daqp",
+        solver: str | Solver = "daqp",
         braking: float = 0.5,
         limit_horizon: float | None = None,
         regularization: float = 1e-6,
@@ -133,8 +139,12 @@ class Controller:
         self.tasks = (tasks,) if isinstance(tasks, Task) else tuple(tasks)
         check_kind(robot, SpaceRobot, "read it with SpaceRobot.from_urdf(path)")
         self.robot, self.period = robot, _above_zero("period", period)
-        self.base, self.limits = parse_base(base), limits or JointLimits.of(robot)
+        self.base, self.limits = parse_base(base), JointLimits.of(robot) if limits is None else limits
+        check_kind(self.limits, JointLimits, "make it of the robot's model, JointLimits.of(robot), or by its arrays")
+        one = isinstance(inequalities, Inequality | RowsInequality)
+        self.inequalities: tuple[Inequality | RowsInequality, ...] = (inequalities,) if one else tuple(inequalities)
         self._solver = solver
+        self._refuse_unknown_kinds()
         self._refuse_repeated_names()
         for task in self.tasks:
             task.check(robot, self.base)
@@ -144,12 +154,12 @@ class Controller:
         self._run = OperationalSpaceEvaluator(robot, self._points, ("generalized_inertia", "generalized_bias"))
         self._tasks = task_tables(robot, self.tasks, self._points, self._run.layout.nodes)
         self._link = self._run.layout.nodes.link[self._tasks.node]
-        self._connect()
         n, m = robot.n_joints, len(self._tasks.rows)
         self._base = base_actuation(robot, self.base)
         component, scale = self._base.component, self._base.scale
+        g = sum(one.size for one in self.inequalities)
         allowed = np.array([_allowed(task) for task in self.tasks])
-        self._rows, self._program, self._answer = empty_program(n, len(component), m, allowed)
+        self._rows, self._program, self._answer = empty_program(n, len(component), m, g, allowed)
         self._weights = kernel.Weights(
             np.array([task.weight if task.level is None else 0.0 for task in self.tasks]),
             _above_zero("regularization", regularization),
@@ -175,8 +185,9 @@ class Controller:
         geometric = [np.arange(first[t], first[t + 1]) for t, task in enumerate(self.tasks) if task.geometric]
         self._layout = Layout(
             robot.rate_names,
-            joint_units(robot.model),
+            {**joint_units(robot.model), **{one.name: one.unit for one in self.inequalities}},
             [_COMPONENTS[c] for c in self._base.component],
+            [one.name for one in self.inequalities for _ in range(one.size)],
             largest,
             [task.name for task in self.tasks],
             [int(row) for row in first],
@@ -194,6 +205,7 @@ class Controller:
             if task.reference is not None:
                 self._set_reference(t, task.reference)
         self._completion = CompletionWatch(self.tasks, first, self._tasks.rows)
+        self._connect()
 
     def warm_up(self) -> None:
         """Load all that the first `update` would load: compiled kernels, or compile them, and the solver.
@@ -208,7 +220,7 @@ class Controller:
                 (compose, (self._run.memory, self._run.memory, self._run.memory)),
             ]
         )
-        shared = {id(one): one for one in (self.robot, self.tasks)}
+        shared = {id(one): one for one in (self.robot, self.tasks, self.inequalities)}
         unset = {id(self._references): [None] * len(self.tasks), id(self._moving): []}
         twin = copy.deepcopy(self, {**shared, **unset})
         twin._begun = False
@@ -251,12 +263,14 @@ class Controller:
             reference.write(self._tasks.reference[t], time)
         if self._wheels.any:
             self._wheels.limit(self._rotation().T @ self.wheel_momentum, self.period, self._limits.wrench)
+        if self._custom.any:
+            self._custom.write(time, self._q, self._v)
         farthest = assemble(*self._assembly(time))
         assembled = clock.perf_counter()
         outcome = self._solution()
         solved = clock.perf_counter()
         self._completion.observe(time, self._rows.error, self._references)
-        outside = self._outside() if farthest > _OUTSIDE else {}
+        outside = self._outside() if farthest > _OUTSIDE or self.inequalities else {}
         return self._command(outcome, outside, (start, evaluated, assembled, solved))
 
     def completed(self, name: str) -> bool:
@@ -387,10 +401,16 @@ class Controller:
         return z, self._run.memory, self._base, self.period, *own
 
     def _excess(self, z: Floats) -> dict[str, float]:
-        """By how much joint accelerations pass the bounds of their motion limits."""
-        n, program = self.robot.n_joints, self._program
-        excess = np.maximum(z[:n] - program.upper[:n], program.lower[:n] - z[:n])
-        return {self._layout.joints[j]: float(excess[j]) for j in range(n) if excess[j] > _EXCESS}
+        """By how much accelerations pass the bounds of joints' motion limits and of inequalities."""
+        n, program, size = self.robot.n_joints, self._program, len(z)
+        soft = [*range(n), *range(size + n, len(program.lower))]
+        value = np.concatenate([z[:n], program.C[n:] @ z])
+        excess = np.maximum(value - program.upper[soft], program.lower[soft] - value)
+        found: dict[str, float] = {}
+        for name, by in zip([*self._layout.joints, *self._layout.inequalities], excess.tolist(), strict=True):
+            if by > _EXCESS:
+                found[name] = max(by, found.get(name, 0.0))
+        return found
 
     def _undriven_excess(self, z: Floats) -> dict[str, float]:
         """By how much joints without a drive pass what keeps them within their velocity and acceleration limits."""
@@ -403,15 +423,17 @@ class Controller:
         return {self._layout.joints[j]: float(by) for j, by in zip(own.tolist(), excess, strict=True) if by > _EXCESS}
 
     def _outside(self) -> dict[str, float]:
-        """By how much joints are outside their position limits."""
-        return {
+        """By how much joints are outside their position limits, and values of inequalities below 0."""
+        found = {
             self._layout.joints[j]: float(self._beyond[j]) for j in np.flatnonzero(self._beyond > _OUTSIDE).tolist()
         }
+        margins = self._custom.margins() if self.inequalities else {}
+        return found | {name: -float(y.min()) for name, y in margins.items() if y.size and y.min() < -_OUTSIDE}
 
     def _braking(self) -> Floats:
         """Return accelerations by torques that take energy from every joint, within their limits."""
         n, program = self.robot.n_joints, self._program
-        H, c, rate = program.C[:, :n], self._resistance.bias, self._v[6:]
+        H, c, rate = program.C[:n, :n], self._resistance.bias, self._v[6:]
         torque = np.clip(c - H @ rate / _BRAKING_TIME, *self._limits.torque)
         torque[torque * rate > 0.0] = 0.0
         z = np.zeros(len(program.f))
@@ -435,9 +457,10 @@ class Controller:
         if self._wheels.any:
             wheel_torque, wrench[3:] = wrench[3:].copy(), 0.0
             self.wheel_momentum = self.wheel_momentum - wheel_torque * self.period
-        value = np.concatenate([z, answer.torque])
+        value = np.concatenate([z, answer.torque, program.C[n:] @ z])
         lower, upper = program.lower.copy(), program.upper.copy()
-        lower[len(z) :], upper[len(z) :] = self._limits.torque
+        torque_rows = slice(len(z), len(z) + n)
+        lower[torque_rows], upper[torque_rows] = self._limits.torque
         rows = (self._rows.A.copy(), self._rows.error.copy(), answer.residual.copy(), self._weights.independence.copy())
         now = clock.perf_counter()
         start, evaluated, assembled, solved = marks
@@ -475,7 +498,16 @@ class Controller:
 
     def _connect(self) -> None:
         """Look up what a copy cannot take over: the solver, and where the evaluator keeps the state."""
-        self._solve = solver_named(self._solver)
+        self._solve = solver_of(self._solver)
+        first, at = self._tasks.first, self.robot.n_joints
+        written: list[tuple[Written, int]] = [
+            (task, int(first[t])) for t, task in enumerate(self.tasks) if isinstance(task, CustomTask | RowsTask)
+        ]
+        for one in self.inequalities:
+            written.append((one, at))
+            at += one.size
+        own = self._base, self._rows, self._program, self._run.memory, self.period
+        self._custom = CustomRows(self.robot, written, *own)
         self._R, self._place = self._run.table("R"), self._run.table("place")
         self._q, self._v = self._run.table("q")[: self.robot.nq, 0], self._run.table("velocity")[:, 0]
 
@@ -487,12 +519,20 @@ class Controller:
         vars(self).update(state)
         self._connect()
 
+    def _refuse_unknown_kinds(self) -> None:
+        for task in self.tasks:
+            check_kind(task, Task, "tasks are those of ospace.control, and subclasses of CustomTask and RowsTask")
+        for one in self.inequalities:
+            if not isinstance(one, Inequality | RowsInequality):
+                raise OspaceError(f"{one!r:.60} is no inequality: write a subclass of Inequality or RowsInequality")
+
     def _refuse_repeated_names(self) -> None:
-        names = [task.name for task in self.tasks]
+        names = [one.name for one in (*self.tasks, *self.inequalities)]
         for name in names:
             if names.count(name) > 1:
-                raise OspaceError(f"two tasks are called '{name}': give each a name of its own")
-        if not names:
+                what = "tasks or inequalities" if self.inequalities else "tasks"
+                raise OspaceError(f"two {what} are called '{name}': give each a name of its own")
+        if not self.tasks:
             raise OspaceError("no task given: a controller needs at least one")
 
     def _index(self, name: str) -> int:

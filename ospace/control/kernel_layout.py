@@ -11,10 +11,26 @@ from ospace.control.limits import JointLimits, bounded
 from ospace.control.tasks import Task
 from ospace.exceptions import OspaceError
 from ospace.kernels.qp import tables as qp
-from ospace.kernels.tasks.tables import REFERENCE, BaseActuation, TaskRows, Tasks
+from ospace.kernels.tasks.tables import (
+    CENTRE_OF_MASS,
+    CUSTOM,
+    DAMPING,
+    LOOK_AT,
+    MOMENTUM,
+    MOTION,
+    POSTURE,
+    REFERENCE,
+    RELATIVE,
+    BaseActuation,
+    TaskRows,
+    Tasks,
+)
 from ospace.kernels.tree import UNKNOWN, Floats, Nodes
 from ospace.model.points import OperationalPoint
 from ospace.model.robot import SpaceRobot
+
+_POINTS = {MOTION: 1, RELATIVE: 2, LOOK_AT: 1, CENTRE_OF_MASS: 0, MOMENTUM: 0, POSTURE: 0, DAMPING: 0, CUSTOM: None}
+"""How many points the kernel of each kind of task takes; None for any number."""
 
 
 def task_tables(robot: SpaceRobot, tasks: Sequence[Task], points: Sequence[OperationalPoint], nodes: Nodes) -> Tasks:
@@ -35,12 +51,13 @@ def task_tables(robot: SpaceRobot, tasks: Sequence[Task], points: Sequence[Opera
     if not robot.own_kinematics:
         unknown = robot.joint_of_link(int(np.flatnonzero(robot.links.kind == UNKNOWN)[0]))
         raise OspaceError(f"joint '{unknown}' is of a type that the controller does not know how to place")
+    rows = [checked_rows(robot, task) for task in tasks]
     point, at = np.full((len(tasks), 2), -1, dtype=np.int64), 1
     for t, task in enumerate(tasks):
         count = len(task.points)
-        point[t, :count] = range(at, at + count)
+        if task.kind != CUSTOM:
+            point[t, :count] = range(at, at + count)
         at += count
-    rows = [task.rows(robot) for task in tasks]
     turn = [(robot.link_axes[one.joint].T @ one.placement.rotation).ravel(order="F") for one in points]
     return Tasks(
         np.array([task.kind for task in tasks]),
@@ -55,6 +72,23 @@ def task_tables(robot: SpaceRobot, tasks: Sequence[Task], points: Sequence[Opera
         np.array([int(np.flatnonzero(nodes.point == e)[0]) for e in range(len(points))]),
         np.array(turn),
     )
+
+
+def checked_rows(robot: SpaceRobot, task: Task) -> list[int]:
+    """Return which components or joint rates the rows of a task are; raise where its kernel has none of these."""
+    kind, made = getattr(task, "kind", None), f"task '{task.name}' of class {type(task).__name__}"
+    if kind not in _POINTS:
+        raise OspaceError(
+            f"{made} is of kind {kind!r}, which no kernel writes the rows of: a task in Python is a subclass of "
+            f"CustomTask, with error and jacobian, or of RowsTask"
+        )
+    rows, joints = task.rows(robot), kind in (POSTURE, DAMPING)
+    count = robot.n_joints if joints else 6
+    if not all(isinstance(row, int) and 0 <= row < count for row in rows):
+        raise OspaceError(f"{made} has rows {rows}: give {'joint rates' if joints else 'components'} 0 to {count - 1}")
+    if _POINTS[kind] not in (None, len(task.points)):
+        raise OspaceError(f"{made} is about {len(task.points)} points: its kernel takes {_POINTS[kind]}")
+    return rows
 
 
 def base_actuation(robot: SpaceRobot, base: Base) -> BaseActuation:
@@ -81,15 +115,16 @@ def limit_tables(
     )
 
 
-def empty_program(n: int, k: int, rows: int, allowed: Floats) -> tuple[TaskRows, qp.Program, qp.Answer]:
-    """Return tables for `rows` task rows, the program of n joints and k components of the base, and its solution.
+def empty_program(n: int, k: int, rows: int, g: int, allowed: Floats) -> tuple[TaskRows, qp.Program, qp.Answer]:
+    """Return tables: `rows` of tasks, the program of n joints, k base components and g inequalities, the answer.
 
     `allowed` (T, 2) is by how much tasks may be short of their references.
     """
     size = n + k
-    bounds = np.zeros((2, size + n))
+    bounds = np.zeros((2, size + n + g))
+    bounds[0, size + n :], bounds[1, size + n :] = -qp.UNLIMITED, qp.UNLIMITED
     task_rows = TaskRows(np.zeros((rows, size)), np.zeros(rows), np.zeros(rows), np.zeros((size, 6)))
     cause = np.zeros((2, n), dtype=np.int64)
-    program = qp.Program(np.zeros((size, size)), np.zeros(size), np.zeros((n, size)), bounds[0], bounds[1], cause)
+    program = qp.Program(np.zeros((size, size)), np.zeros(size), np.zeros((n + g, size)), bounds[0], bounds[1], cause)
     answer = qp.Answer(np.zeros(n), np.zeros((1, 6)), np.zeros(rows), np.zeros_like(allowed), allowed)
     return task_rows, program, answer

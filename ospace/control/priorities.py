@@ -133,7 +133,7 @@ def _null_space(A: Floats, size: float) -> Floats:
 
 
 def relaxed(program: Program, n: int, solve: Solver) -> tuple[Program, Floats] | None:
-    """Let bounds on φ̈ give way, by as little as may be; torque and base wrench stay within theirs.
+    """Let bounds on φ̈ and inequalities give way, by as little as may be; torque and base wrench stay within theirs.
 
     The least excess s over the bounds is found, min |s|². Since H_m* is invertible, the torque rows alone always leave
     a solution.
@@ -142,20 +142,27 @@ def relaxed(program: Program, n: int, solve: Solver) -> tuple[Program, Floats] |
     -------
     The program with bounds moved by s, and a z that keeps them; None where the solver fails.
     """
-    size, rows = len(program.f), len(program.C)
-    C = np.zeros((rows + 2 * n, size + n))
-    C[:rows, :size] = program.C
-    C[rows : rows + n, :n], C[rows : rows + n, size:] = np.eye(n), -np.eye(n)
-    C[rows + n :, :n], C[rows + n :, size:] = np.eye(n), np.eye(n)
-    none = np.full(n, UNLIMITED)
-    lower = np.concatenate([-none, program.lower[n:size], np.zeros(n), program.lower[size:], -none, program.lower[:n]])
-    upper = np.concatenate([none, program.upper[n:size], none, program.upper[size:], program.upper[:n], none])
-    H = np.diag(np.concatenate([np.full(size, _SMALL_WEIGHT), np.ones(n)]))
-    least = solve(Program(H, np.zeros(size + n), C, lower, upper, program.cause))
+    size, torque = len(program.f), slice(len(program.f), len(program.f) + n)
+    soft = np.concatenate([np.arange(n), np.arange(size + n, len(program.lower))])
+    S, s = np.vstack([np.eye(n, size), program.C[n:]]), len(soft)
+    C = np.block([[program.C[:n], np.zeros((n, s))], [S, -np.eye(s)], [S, np.eye(s)]])
+    free = np.full(n, UNLIMITED)
+    lower, upper = program.lower, program.upper
+    none = np.full(s, UNLIMITED)
+    least = solve(
+        Program(
+            np.diag(np.concatenate([np.full(size, _SMALL_WEIGHT), np.ones(s)])),
+            np.zeros(size + s),
+            C,
+            np.concatenate([-free, lower[n:size], np.zeros(s), lower[torque], -none, lower[soft]]),
+            np.concatenate([free, upper[n:size], none, upper[torque], upper[soft], none]),
+            program.cause,
+        )
+    )
     if least is None:
         return None
     moved = np.maximum(least[size:], 0.0) * (1.0 + _ROUNDING) + _ROUNDING
-    lower, upper = program.lower.copy(), program.upper.copy()
-    lower[:n] -= moved
-    upper[:n] += moved
+    lower, upper = lower.copy(), upper.copy()
+    lower[soft] -= moved
+    upper[soft] += moved
     return Program(program.H, program.f, program.C, lower, upper, program.cause), least[:size]

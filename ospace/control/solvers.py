@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ospace.checks import real_numbers
 from ospace.exceptions import OspaceError, closest
 from ospace.kernels.qp.tables import UNLIMITED, Program
 from ospace.kernels.tree import Floats
@@ -42,6 +43,41 @@ def solver_named(name: str) -> Solver:
     A program that it finds no solution of is solved by DAQP in proximal steps, which stands worse conditioned ones.
     """
     return partial(_solve, _back_end(name))
+
+
+def solver_of(given: str | Solver) -> Solver:
+    """Return the solver of a name, or one that calls a user's function and checks what it returns.
+
+    Raises
+    ------
+    OspaceError
+        It is neither; or later, the function fails, or returns neither None nor finite numbers, one for each of f.
+    """
+    if isinstance(given, str):
+        return solver_named(given)
+    if not callable(given):
+        raise OspaceError(f"solver {given!r:.60}: give a name, or a function from a Program to z or None")
+    return partial(_solve, partial(_by_function, given))
+
+
+def _by_function(function: Solver, program: Program) -> Floats | None:
+    name = f"solver '{getattr(function, '__name__', type(function).__name__)}'"
+    try:
+        returned = function(program)
+    except Exception as error:
+        raise OspaceError(f"{name} failed: {type(error).__name__}: {error}") from error
+    if returned is None:
+        return None
+    try:
+        z = real_numbers(returned)
+    except (TypeError, ValueError):
+        z = np.full(1, np.nan)
+    if z.shape != program.f.shape or not np.isfinite(z).all():
+        raise OspaceError(
+            f"{name} returned {returned!r:.60}: give {len(program.f)} finite numbers, one for each of program.f, or "
+            f"None where it finds no solution"
+        )
+    return z
 
 
 def _solve(first: Solver, program: Program) -> Floats | None:

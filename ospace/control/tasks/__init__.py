@@ -2,6 +2,7 @@
 
 from ospace.control.tasks.base_attitude import BaseAttitudeTask
 from ospace.control.tasks.centre_of_mass import CentreOfMassTask
+from ospace.control.tasks.custom import CustomTask, RowsTask
 from ospace.control.tasks.damping import DampingTask
 from ospace.control.tasks.look_at import LookAtTask
 from ospace.control.tasks.momentum import MomentumTask
@@ -16,6 +17,7 @@ __all__ = [
     "BaseAttitudeTask",
     "CentreOfMassTask",
     "Completion",
+    "CustomTask",
     "DampingTask",
     "LookAtTask",
     "MomentumTask",
@@ -24,5 +26,6 @@ __all__ = [
     "PositionTask",
     "PostureTask",
     "RelativePoseTask",
+    "RowsTask",
     "Task",
 ]

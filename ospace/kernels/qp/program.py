@@ -3,7 +3,9 @@
 With z = [φ̈; û] as in `tasks`, and W the weights of the rows,
 
     minimize ½ zᵀ H z + fᵀ z,   H = Aᵀ W A + ε + D,   f = −Aᵀ W b + D_s d φ̇
-    subject to  lower ≤ [z; C z] ≤ upper,   C = [H_m*, −J_b*ᵀ B],   τ = C z + c_m* − τ_f    (7)
+    subject to  lower ≤ [z; C z] ≤ upper,   C = [H_m*, −J_b*ᵀ B; G],   τ = (C z)_τ + c_m* − τ_f    (7)
+
+G has the rows of inequalities that users bring; they are there before (`custom_rows`).
 
 The joints are damped by the diagonal D = D_s + D_0. A task of r rows A, error e and damping d, with a_k the column of
 joint k and ā² = |A|² / r, adds to these
@@ -183,6 +185,11 @@ def recover_solution(
             value += program.C[j, k] * z[k]
         rate = w.velocity[j + 6, 0] + h * z[j]
         answer.torque[j] = value + w.generalized_bias[j, 0] - friction_at(resistance, j, rate)
+        excess = max(excess, bound_violation(value, program.lower[z.size + j], program.upper[z.size + j]))
+    for j in range(n, program.C.shape[0]):
+        value = 0.0
+        for k in range(z.size):
+            value += program.C[j, k] * z[k]
         excess = max(excess, bound_violation(value, program.lower[z.size + j], program.upper[z.size + j]))
     a = load6(w.base_drift, 0)
     for k in range(z.size):

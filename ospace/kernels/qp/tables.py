@@ -50,9 +50,10 @@ class Program(NamedTuple):
     H: Floats
     f: Floats
     C: Floats
+    """(n + g, n + k) rows of torque, then of inequalities that users bring."""
     lower: Floats
     upper: Floats
-    """(n + k + n,)."""
+    """(n + k + n + g,) of z, then of C z."""
     cause: Ints
     """(2, n) which limit each bound on φ̈ comes of."""
 

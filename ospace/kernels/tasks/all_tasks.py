@@ -12,9 +12,11 @@ from ospace.kernels.tasks.relative_pose import relative_pose_rows
 from ospace.kernels.tasks.rows import base_response
 from ospace.kernels.tasks.tables import (
     CENTRE_OF_MASS,
+    DAMPING,
     LOOK_AT,
     MOMENTUM,
     MOTION,
+    POSTURE,
     RELATIVE,
     BaseActuation,
     TaskRows,
@@ -25,7 +27,7 @@ from ospace.kernels.workspace import Robot, Work
 
 @inlined
 def assemble_rows(w: Work, robot: Robot, base: BaseActuation, tasks: Tasks, rows: TaskRows, time: float) -> None:
-    """Fill the rows of all tasks."""
+    """Fill the rows of all tasks but the `CUSTOM` ones."""
     base_response(w, base)
     for t in range(tasks.kind.size):
         kind = tasks.kind[t]
@@ -39,5 +41,5 @@ def assemble_rows(w: Work, robot: Robot, base: BaseActuation, tasks: Tasks, rows
             centre_of_mass_rows(w, base, tasks, rows, t, time)
         elif kind == MOMENTUM:
             momentum_rows(w, base, tasks, rows, t, time)
-        else:
+        elif kind in (POSTURE, DAMPING):
             joint_rows(w, robot, tasks, rows, t)
