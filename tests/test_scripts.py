@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-SCRIPTS = sorted((Path(__file__).parents[1] / "scripts").glob("*.py"))
+ROOT = Path(__file__).parents[1]
+SCRIPTS = sorted([*(ROOT / "scripts").glob("*.py"), *(ROOT / "examples").glob("*.py")])
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
@@ -17,6 +18,29 @@ def test_every_script_runs(script):
     )
     assert (done.returncode, done.stderr) == (0, "")
     assert len(done.stdout.splitlines()) > 3
+
+
+def words_of(name):
+    script = next(script for script in SCRIPTS if script.stem == name)
+    return subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=300, check=True).stdout
+
+
+def test_the_hand_stops_at_the_plane_though_its_goal_is_beyond():
+    (closest,) = re.findall(r"closest to the plane: (\S+) mm", words_of("keep_out_plane"))
+    assert abs(float(closest)) < 1e-2
+
+
+def test_the_camera_keeps_the_hand_in_view_by_its_inequality_alone():
+    without, kept = (float(angle) for angle in re.findall(r"up to (\S+) deg", words_of("camera_view")))
+    assert without > 10.0
+    assert kept < 5.01  # asked for: 5 deg
+
+
+def test_the_own_solver_finds_what_daqp_does():
+    words = words_of("own_solver")
+    calls, hits = (int(count) for count in re.findall(r"programs: (\d+), of which (\d+)", words)[0])
+    assert calls / 2 < hits < calls
+    assert float(re.findall(r"from DAQP: (\S+)", words)[0]) < 1e-9
 
 
 def test_the_published_singularity_is_among_those_found():

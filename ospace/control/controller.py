@@ -141,8 +141,9 @@ class Controller:
         self.robot, self.period = robot, _above_zero("period", period)
         self.base, self.limits = parse_base(base), JointLimits.of(robot) if limits is None else limits
         check_kind(self.limits, JointLimits, "make it of the robot's model, JointLimits.of(robot), or by its arrays")
-        one = isinstance(inequalities, Inequality | RowsInequality)
-        self.inequalities: tuple[Inequality | RowsInequality, ...] = (inequalities,) if one else tuple(inequalities)
+        if isinstance(inequalities, Inequality | RowsInequality):
+            inequalities = (inequalities,)
+        self.inequalities = tuple(inequalities)
         self._solver = solver
         self._refuse_unknown_kinds()
         self._refuse_repeated_names()
@@ -218,6 +219,7 @@ class Controller:
                 (assemble, self._assembly(0.0)),
                 (recover_solution, self._recovery(self._program.f, self._program)),
                 (compose, (self._run.memory, self._run.memory, self._run.memory)),
+                *self._custom.calls(),
             ]
         )
         shared = {id(one): one for one in (self.robot, self.tasks, self.inequalities)}
@@ -270,7 +272,7 @@ class Controller:
         outcome = self._solution()
         solved = clock.perf_counter()
         self._completion.observe(time, self._rows.error, self._references)
-        outside = self._outside() if farthest > _OUTSIDE or self.inequalities else {}
+        outside = self._outside() if max(farthest, -self._custom.smallest) > _OUTSIDE else {}
         return self._command(outcome, outside, (start, evaluated, assembled, solved))
 
     def completed(self, name: str) -> bool:
@@ -427,8 +429,7 @@ class Controller:
         found = {
             self._layout.joints[j]: float(self._beyond[j]) for j in np.flatnonzero(self._beyond > _OUTSIDE).tolist()
         }
-        margins = self._custom.margins() if self.inequalities else {}
-        return found | {name: -float(y.min()) for name, y in margins.items() if y.size and y.min() < -_OUTSIDE}
+        return found | self._custom.below(-_OUTSIDE) if self._custom.any else found
 
     def _braking(self) -> Floats:
         """Return accelerations by torques that take energy from every joint, within their limits."""
@@ -457,7 +458,7 @@ class Controller:
         if self._wheels.any:
             wheel_torque, wrench[3:] = wrench[3:].copy(), 0.0
             self.wheel_momentum = self.wheel_momentum - wheel_torque * self.period
-        value = np.concatenate([z, answer.torque, program.C[n:] @ z])
+        value = np.concatenate([z, answer.torque, program.C[n:] @ z] if self.inequalities else [z, answer.torque])
         lower, upper = program.lower.copy(), program.upper.copy()
         torque_rows = slice(len(z), len(z) + n)
         lower[torque_rows], upper[torque_rows] = self._limits.torque

@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 import numpy as np
-import numpy.typing as npt
 
 from ospace.checks import real_numbers
 from ospace.control.inequalities import Inequality, RowsInequality
@@ -15,7 +14,9 @@ from ospace.control.limits import bounded
 from ospace.control.state_function import Custom, StateFunction
 from ospace.control.tasks.custom import CustomTask, RowsTask
 from ospace.exceptions import OspaceError
+from ospace.kernels.observation import observe
 from ospace.kernels.qp import custom_rows as kernel
+from ospace.kernels.qp.custom_rows import write_custom_rows
 from ospace.kernels.qp.tables import Program
 from ospace.kernels.tasks.tables import BaseActuation, TaskRows
 from ospace.kernels.tree import Floats
@@ -65,24 +66,25 @@ class CustomRows:
         self._rows, self._program = rows, program
         smooth = [(one, first) for one, first in written if isinstance(one, CustomTask | Inequality)]
         self._direct = [(one, first) for one, first in written if isinstance(one, RowsTask | RowsInequality)]
-        sizes = [one.size for one, _ in smooth]
-        ends, m = np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64), sum(sizes)
+        ends = np.concatenate([[0], np.cumsum([one.size for one, _ in smooth])]).astype(np.int64)
+        m = int(ends[-1])
         self._tables = kernel.CustomRows(
-            ends,
-            np.array([first for _, first in smooth], dtype=np.int64),
-            sum(isinstance(one, CustomTask) for one, _ in smooth),
-            np.array([_gain(one) for one, _ in smooth]).reshape(-1, 2),
-            *(np.zeros(m) for _ in range(3)),
-            np.zeros((m, robot.nv)),
+            first=ends,
+            row=np.array([first for _, first in smooth], dtype=np.int64),
+            tasks=sum(isinstance(one, CustomTask) for one, _ in smooth),
+            gain=np.array([_gain(one) for one, _ in smooth]).reshape(-1, 2),
+            given=np.array([_overridden(one) for one, _ in smooth], dtype=np.int64).reshape(-1, 2),
+            value=np.zeros(m),
+            jacobian=np.zeros((m, robot.nv)),
+            rate=np.zeros(m),
+            drift=np.zeros(m),
+            later_jacobian=np.zeros((m, robot.nv)),
+            later_rate=np.zeros(m),
+            smallest=np.full(1, np.inf),
         )
-        self._smooth = [
-            _Written(one, self._tables, slice(int(first), int(last)))
-            for (one, _), first, last in zip(smooth, ends, ends[1:], strict=False)
-        ]
-        self.arguments = memory, base, period, self._tables, rows, program
-        self._inequalities = [
-            (one.one.name, one.own) for one in self._smooth if isinstance(one.one, Inequality)
-        ]
+        self._functions = [_Function(one, self._tables, c) for c, (one, _) in enumerate(smooth)]
+        self._steps = not self._tables.given[:, 1].all()
+        self._of_controller = memory, base, period
 
     def write(self, time: float, q: Floats, v: Floats) -> None:
         """Write all rows for the state that the controller's evaluator has evaluated last.
@@ -94,22 +96,39 @@ class CustomRows:
         """
         at = self._at
         at.observe(time, q, v)
-        for one in self._smooth:
-            one.differentiate(at)
-        wrong = kernel.write_custom_rows(*self.arguments)
+        later, step = at.later() if self._steps else (at, 1.0)
+        for one in self._functions:
+            one.evaluate(at, later)
+        wrong = write_custom_rows(*self._arguments(step))
         if wrong >= 0:
-            self._smooth[wrong].refuse_nonfinite()
-        for one, first in self._direct:
-            self._write(one, first, at)
+            self._functions[wrong].refuse_nonfinite()
+        for direct, first in self._direct:
+            self._write(direct, first, at)
 
-    def margins(self) -> dict[str, Floats]:
-        """Return the values of all inequalities that have one, by their names."""
-        return {name: self._tables.value[own].copy() for name, own in self._inequalities}
+    def calls(self) -> list[tuple[Any, tuple[Any, ...]]]:
+        """Return the kernels, with the arguments that they are called with."""
+        return [(observe, self._at.arguments), (write_custom_rows, self._arguments(1.0))] if self.any else []
+
+    def _arguments(self, step: float) -> tuple[Any, ...]:
+        return *self._of_controller, step, self._tables, self._rows, self._program
+
+    @property
+    def smallest(self) -> float:
+        """The smallest of all values of inequalities."""
+        return float(self._tables.smallest[0]) if self.any else np.inf
+
+    def below(self, least: float) -> dict[str, float]:
+        """Return by how much values of inequalities are below 0, by name, where they are below `least`."""
+        values = {one.name: float(one.value.min()) for one in self._functions if not one.is_task}
+        return {name: -value for name, value in values.items() if value < least}
 
     def _write(self, one: RowsTask | RowsInequality, first: int, at: Instant) -> None:
         task = isinstance(one, RowsTask)
         method = one.equations if isinstance(one, RowsTask) else one.bounds
-        returned = _called(one, method, at)
+        try:
+            returned = method(at)
+        except Exception as error:
+            raise _failed(one, method, error) from error
         if not (isinstance(returned, tuple) and len(returned) == 2):
             raise OspaceError(f"{_named(one, method)} returned {returned!r:.60}: give a matrix and a vector, A, b")
         A = _numbers(one, method, returned[0], (one.size, self._size), "matrix")
@@ -124,52 +143,54 @@ class CustomRows:
             self._program.upper[self._size :][rows] = bounded(b)
 
 
-class _Written:
+class _Function:
     """A function of the state, and where its derivatives go."""
 
-    def __init__(self, one: CustomTask | Inequality, tables: kernel.CustomRows, own: slice) -> None:
-        self.one, self.own = one, own
-        self._value_of: Callable[[Instant], npt.ArrayLike] = one.error if isinstance(one, CustomTask) else one.value
-        self._rate_given = type(one).rate is not StateFunction.rate
-        self._drift_given = type(one).drift is not StateFunction.drift
-        self._value, self._rate, self._drift = tables.value[own], tables.rate[own], tables.drift[own]
-        self._jacobian = tables.jacobian[own]
+    def __init__(self, one: CustomTask | Inequality, tables: kernel.CustomRows, c: int) -> None:
+        self.name, self.is_task, self._one = one.name, isinstance(one, CustomTask), one
+        own = slice(int(tables.first[c]), int(tables.first[c + 1]))
+        self.value = tables.value[own]
+        rate_given, drift_given = (bool(given) for given in tables.given[c])
+        value_of = one.error if isinstance(one, CustomTask) else one.value
+        self._now: list[tuple[Callable[[Instant], Any], Floats]] = [
+            (value_of, self.value),
+            (one.jacobian, tables.jacobian[own]),
+        ]
+        self._later: list[tuple[Callable[[Instant], Any], Floats]] = []
+        if rate_given:
+            self._now.append((one.rate, tables.rate[own]))
+        if drift_given:
+            self._now.append((one.drift, tables.drift[own]))
+        elif rate_given:
+            self._later.append((one.rate, tables.later_rate[own]))
+        else:
+            self._later.append((one.jacobian, tables.later_jacobian[own]))
 
-    def differentiate(self, at: Instant) -> None:
-        """Compute y, J, ẏ and ÿ at v̇ = 0."""
-        one, vector, matrix = self.one, self._value.shape, self._jacobian.shape
-        self._value[:] = _numbers(one, self._value_of, _called(one, self._value_of, at), vector)
-        self._jacobian[:] = _numbers(one, one.jacobian, _called(one, one.jacobian, at), matrix)
-        if self._rate_given:
-            self._rate[:] = _numbers(one, one.rate, _called(one, one.rate, at), vector)
-        else:
-            np.dot(self._jacobian, at.v, out=self._rate)
-        if self._drift_given:
-            self._drift[:] = _numbers(one, one.drift, _called(one, one.drift, at), vector)
-            return
-        later, step = at.later()
-        if self._rate_given:
-            rate = _numbers(one, one.rate, _called(one, one.rate, later), vector)
-        else:
-            rate = _numbers(one, one.jacobian, _called(one, one.jacobian, later), matrix) @ at.v
-        np.subtract(rate, self._rate, out=self._drift)
-        self._drift /= step
+    def evaluate(self, at: Instant, later: Instant) -> None:
+        """Call the methods, and write what they return."""
+        for calls, instant in ((self._now, at), (self._later, later)):
+            for method, to in calls:
+                try:
+                    returned = method(instant)
+                except Exception as error:
+                    raise _failed(self._one, method, error) from error
+                if type(returned) is np.ndarray and returned.shape == to.shape and returned.dtype == np.float64:
+                    to[:] = returned
+                else:
+                    to[:] = _numbers(self._one, method, returned, to.shape)
 
     def refuse_nonfinite(self) -> NoReturn:
         """Raise the `OspaceError` that names the method whose numbers are not finite."""
-        results = (
-            (self._value_of, self._value),
-            (self.one.jacobian, self._jacobian),
-            (self.one.rate, self._rate),
-            (self.one.drift, self._drift),
-        )
-        for method, numbers in results:
+        for method, numbers in (*self._now, *self._later):
             wrong = np.argwhere(~np.isfinite(numbers))
             if wrong.size:
-                where = ", ".join(map(str, wrong[0]))
-                value = numbers[tuple(wrong[0])]
-                raise OspaceError(f"{_named(self.one, method)}[{where}] is {value}: all numbers must be finite")
-        raise OspaceError(f"{_named(self.one, self._value_of)}: numbers are too large to compute with")
+                value, where = numbers[tuple(wrong[0])], ", ".join(map(str, wrong[0]))
+                raise OspaceError(f"{_named(self._one, method)}: element [{where}] is {value}: give finite numbers")
+        raise OspaceError(f"{_named(self._one, self._now[0][0])}: its numbers are too large to compute with")
+
+
+def _overridden(one: StateFunction) -> tuple[bool, bool]:
+    return type(one).rate is not StateFunction.rate, type(one).drift is not StateFunction.drift
 
 
 def _gain(one: CustomTask | Inequality) -> tuple[float, float]:
@@ -181,12 +202,8 @@ def _named(one: Custom, method: Callable[..., Any]) -> str:
     return f"{what} '{one.name}': {type(one).__name__}.{method.__name__}"  # type: ignore[attr-defined]
 
 
-def _called(one: Custom, method: Callable[[Instant], Any], at: Instant) -> Any:
-    """Call a user's method; raise `OspaceError` that names it, whatever it raises."""
-    try:
-        return method(at)
-    except Exception as error:
-        raise OspaceError(f"{_named(one, method)} failed: {type(error).__name__}: {error}") from error
+def _failed(one: Custom, method: Callable[..., Any], error: Exception) -> OspaceError:
+    return OspaceError(f"{_named(one, method)} failed: {type(error).__name__}: {error}")
 
 
 def _numbers(

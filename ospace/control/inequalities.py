@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from numbers import Real
 
@@ -43,7 +43,7 @@ class Inequality(StateFunction):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class RowsInequality(Custom):
+class RowsInequality(Custom, ABC):
     """Bounds on accelerations and base wrench: G z ≤ h.
 
     z = [φ̈; û] (n + k,) are the accelerations of the n joint rates, then the k actuated components of the base wrench,

@@ -63,9 +63,7 @@ class Instant:
             _read_only, (self._run.q, self._run.v, position, rotation, motion, J)
         )
         self._motion = {
-            one: _Motion(
-                position[e], rotation[e].reshape(3, 3), motion[2 * e], motion[2 * e + 1], J[6 * e : 6 * e + 6]
-            )
+            one: _Motion(position[e], rotation[e].reshape(3, 3), motion[2 * e], motion[2 * e + 1], J[6 * e : 6 * e + 6])
             for e, one in enumerate(self._points)
         }
         self._later: Instant | None = None
@@ -97,6 +95,11 @@ class Instant:
         if status:
             raise OspaceError("tasks and inequalities in Python need joint positions below 1e5 rad")
         self.time, self._stale = time, True
+
+    @property
+    def arguments(self) -> tuple[Floats, ...]:
+        """What the kernel `observe` takes."""
+        return self._run.q, self._run.v, *self._tables
 
     def later(self) -> tuple[Instant, float]:
         """Return an instant a little later, with the same v, and by how much it is later, s.

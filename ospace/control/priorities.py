@@ -60,7 +60,7 @@ def solve_by_levels(
     -------
     The solution, or None where there is none of the first level and no `start`.
     """
-    n, last = len(program.C), len(levels)
+    n, last = program.cause.shape[1], len(levels)
     z, N = start, np.eye(len(program.f))
     dropped = []
     damped, slowed = np.zeros(n), np.zeros(n)  # what damps one level damps those below, which else would swing for it

@@ -13,7 +13,7 @@ from ospace.control.instant import Instant
 from ospace.model.points import OperationalPoint
 
 
-class Custom(ABC):
+class Custom:
     """What a user's class has in common with others: a size, and points.
 
     Attributes
@@ -33,7 +33,7 @@ class Custom(ABC):
         return tuple(_points_in(vars(self).values()))
 
 
-class StateFunction(Custom):
+class StateFunction(Custom, ABC):
     """A function y(q, t) (m,) of the robot's state and of time.
 
     Whole numbers and lists will do for arrays; what has one row may be a number, and its Jacobian (nv,).

@@ -11,8 +11,18 @@ since the base accelerates by R (ω_b × ν_b) while v stays. All in inertial ax
 
 from __future__ import annotations
 
-from ospace.kernels.evaluation import BAD_INPUT, FAR, FAR_ANGLE, FARTHEST, NONFINITE_INPUT, NORM_ERROR, OK, UNIT_LENGTH
-from ospace.kernels.evaluation import load_input, place
+from ospace.kernels.evaluation import (
+    BAD_INPUT,
+    FAR,
+    FAR_ANGLE,
+    FARTHEST,
+    NONFINITE_INPUT,
+    NORM_ERROR,
+    OK,
+    UNIT_LENGTH,
+    load_input,
+    place,
+)
 from ospace.kernels.jit.compile import Vec6, entry, inlined
 from ospace.kernels.jit.load_store import load3, load3_at, load6, load6_at, load9, store3, store6, store9, unowned
 from ospace.kernels.jit.simd import zeros

@@ -91,22 +91,21 @@ class CycleLog:
 
     @property
     def errors(self) -> dict[str, TaskErrors]:
-        """Of each task but those that damp, which have none."""
+        """Of each task that has one: those that damp, and bare rows, have none."""
         E, found, column = np.array([cycle.errors for cycle in self._cycles]), {}, 0
         for task in self.controller.tasks:
             rows = np.array(self._rows[task.name])
             own = E[:, column : column + len(rows)]
             column += len(rows)
-            if task.kind == kernel.DAMPING:
+            if task.units is None:
                 continue
             linear = rows < 3 if task.kind != kernel.POSTURE else np.zeros(len(rows), dtype=bool)
             norms = [
                 np.linalg.norm(own[:, part], axis=1) if part.any() else np.full(len(E), np.nan)
                 for part in (linear, ~linear)
             ]
-            units = ("N s", "N m s") if task.kind == kernel.MOMENTUM else ("m", "rad")
             points = tuple(name for name, known in self._points.items() if any(_same(known, p) for p in task.points))
-            found[task.name] = TaskErrors(np.array(norms).T, units, points)
+            found[task.name] = TaskErrors(np.array(norms).T, task.units, points)
         return found
 
     @property

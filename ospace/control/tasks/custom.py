@@ -7,16 +7,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
 import numpy.typing as npt
 
 from ospace.control.instant import Instant
 from ospace.control.references import Reference
 from ospace.control.state_function import Custom, StateFunction
-from ospace.control.tasks.task import Completion, Task
+from ospace.control.tasks.task import Task
 from ospace.exceptions import OspaceError
 from ospace.kernels.tasks import tables as kernel
-from ospace.kernels.tree import Floats, Ints
 from ospace.model.robot import SpaceRobot
 
 
@@ -29,7 +27,9 @@ class _WrittenInPython(Custom, Task):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.reference is not None:
-            raise OspaceError(f"task '{self.name}': {type(self).__name__} says itself what to follow, give no reference")
+            raise OspaceError(
+                f"task '{self.name}': {type(self).__name__} says itself what to follow, give no reference"
+            )
 
     def redirected(self, reference: Reference | Mapping[str, Any]) -> Task:
         """Raise `OspaceError`: its class says what it follows."""
@@ -58,6 +58,11 @@ class CustomTask(_WrittenInPython, StateFunction):
 
     geometric: ClassVar[bool] = True
 
+    @property
+    def units(self) -> tuple[str, str]:
+        """The unit of the error; rad is that of angular rows."""
+        return self.unit, "rad"
+
     @abstractmethod
     def error(self, at: Instant) -> npt.ArrayLike:
         """Return e (m,)."""
@@ -71,6 +76,11 @@ class RowsTask(_WrittenInPython):
     """
 
     unit: ClassVar[str] = "m/s^2"
+
+    @property
+    def units(self) -> None:
+        """No error, but accelerations."""
+        return None
 
     @abstractmethod
     def equations(self, at: Instant) -> tuple[npt.ArrayLike, npt.ArrayLike]:

@@ -42,6 +42,11 @@ class DampingTask(Task):
             raise OspaceError(f"task '{self.name}': joints come to rest, there is no reference to follow")
 
     @property
+    def units(self) -> None:
+        """No error, but rates."""
+        return None
+
+    @property
     def gain(self) -> tuple[float, float]:
         """No stiffness; damping, 1/s."""
         return 0.0, 2.0 * self.damping_ratio * math.sqrt(self.stiffness)

@@ -38,6 +38,11 @@ class MomentumTask(Task):
     kind: ClassVar[int] = kernel.MOMENTUM
 
     @property
+    def units(self) -> tuple[str, str]:
+        """Of momentum."""
+        return "N s", "N m s"
+
+    @property
     def gain(self) -> tuple[float, float]:
         """The rate, 1/s."""
         return math.sqrt(self.stiffness), 0.0

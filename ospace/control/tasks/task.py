@@ -92,6 +92,11 @@ class Task(ABC):
     geometric: ClassVar[bool] = False
     """True where its rows are about the motion of points: rows of a Jacobian."""
 
+    @property
+    def units(self) -> tuple[str, str] | None:
+        """Of the errors of linear and of angular rows; None where it has no error."""
+        return "m", "rad"
+
     def __post_init__(self) -> None:
         for name in ("stiffness", "damping_ratio", "weight"):
             value = getattr(self, name)

@@ -13,9 +13,10 @@ A task brings its error y to zero, A z = −d ẏ − k y − a⁰, saturated as
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
-from ospace.kernels.jit.compile import entry, inlined
+from ospace.kernels.jit.compile import Number, entry, inlined
 from ospace.kernels.jit.load_store import load6, load9, unowned
 from ospace.kernels.jit.simd import zeros
 from ospace.kernels.qp.joint_limits import ceiling
@@ -38,35 +39,40 @@ class CustomRows(NamedTuple):
     """How many are errors of tasks."""
     gain: Floats
     """(c, 2) stiffness and damping of a task; deceleration of an inequality."""
+    given: Ints
+    """(c, 2) whether ẏ is given, and c; else they are J v, and the difference of ẏ over a step while v stays."""
     value: Floats
     """(M,) y."""
+    jacobian: Floats
+    """(M, nv) J."""
     rate: Floats
     """(M,) ẏ."""
     drift: Floats
     """(M,) c."""
-    jacobian: Floats
-    """(M, nv) J."""
+    later_jacobian: Floats
+    """(M, nv) J a step later."""
+    later_rate: Floats
+    """(M,) ẏ a step later."""
+    smallest: Floats
+    """(1,) of the values of inequalities; written."""
 
 
 @entry
 def write_custom_rows(
-    memory: Floats, base: BaseActuation, h: float, custom: CustomRows, rows: TaskRows, program: Program
+    memory: Floats, base: BaseActuation, h: float, step: float, custom: CustomRows, rows: TaskRows, program: Program
 ) -> int:
     """Write the rows of all functions; return the number of the first that is not finite, or −1."""
     w = open_work(unowned(memory), zeros(1))
     base_response(w, base)
-    size = program.f.size
+    size, smallest = program.f.size, math.inf
     for c in range(custom.row.size):
         first, last, at = custom.first[c], custom.first[c + 1], custom.row[c]
-        nonfinite, square = 0.0, 0.0
+        square = 0.0
         for i in range(first, last):
-            nonfinite += 0.0 * (custom.value[i] + custom.rate[i] + custom.drift[i])
-            for k in range(custom.jacobian.shape[1]):
-                nonfinite += 0.0 * custom.jacobian[i, k]
+            if not differentiate(w, custom, c, i, step):
+                return c
             demanded = custom.gain[c, 0] * custom.value[i] + custom.gain[c, 1] * custom.rate[i]
             square += demanded * demanded
-        if nonfinite != 0.0:
-            return c
         for i in range(first, last):
             y, rate, row = custom.value[i], custom.rate[i], at + i - first
             if c < custom.tasks:
@@ -77,11 +83,31 @@ def write_custom_rows(
                 a = custom.gain[c, 0]
                 least = min((-ceiling(y + 0.5 * h * rate, a, h) - rate) / h, a)
                 program.lower[size + row] = least - write_row(w, base, custom, i, program.C, row)
+                smallest = min(smallest, y)
+    custom.smallest[0] = smallest
     return -1
 
 
 @inlined
-def write_row(w: Work, base: BaseActuation, custom: CustomRows, i: int, A: Floats, row: int) -> float:
+def differentiate(w: Work, custom: CustomRows, c: int, i: int, step: float) -> bool:
+    """Complete ẏ and c of row `i`, of function `c`; return whether all of it is finite."""
+    J, J_later, rate, later = custom.jacobian, custom.later_jacobian, 0.0, 0.0
+    for k in range(J.shape[1]):
+        if not (math.isfinite(J[i, k]) and math.isfinite(J_later[i, k])):
+            return False
+        rate += J[i, k] * w.velocity[k, 0]
+        later += J_later[i, k] * w.velocity[k, 0]
+    if custom.given[c, 0]:
+        later = custom.later_rate[i]
+    else:
+        custom.rate[i] = rate
+    if not custom.given[c, 1]:
+        custom.drift[i] = (later - custom.rate[i]) / step
+    return math.isfinite(custom.value[i]) and math.isfinite(custom.rate[i]) and math.isfinite(custom.drift[i])
+
+
+@inlined
+def write_row(w: Work, base: BaseActuation, custom: CustomRows, i: int, A: Floats, row: int) -> Number:
     """Write the row of A z + a⁰ that row `i` of J v̇ + c is; return a⁰."""
     n, J = w.J_m_star.shape[0], custom.jacobian
     f = rotate(load9(w.R, 0), (J[i, 0], J[i, 1], J[i, 2])) + rotate(load9(w.R, 0), (J[i, 3], J[i, 4], J[i, 5]))
