@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
@@ -41,6 +42,14 @@ def add_to(verbs: Any) -> None:
     verb.add_argument("--csv", metavar="DIR", type=Path, help="write everything to a folder of CSV files")
     verb.add_argument("--html", metavar="FILE", type=output.file, help="write a report with the animation: one file")
     verb.add_argument("--view", action="store_true", help="play it in a browser as it runs; Ctrl-C ends the view")
+    verb.add_argument(
+        "--plugin",
+        metavar="MODULE",
+        action="append",
+        default=[],
+        help="a Python module whose tasks, inequalities and solvers the scenario may name, as MODULE:MyTask; its code "
+        "runs. It lies beside the scenario, in this folder, or is installed (repeatable)",
+    )
     verb.add_argument("--headless", action="store_true", help="no progress bar")
     verb.set_defaults(run=run)
 
@@ -80,7 +89,8 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     output.distinct([file], [given.log, given.csv, given.html])
     with nullcontext() if given.headless else progress.bar(given, "reading the scenario", 1):
         compile_kernels()
-        scenario = load(file)
+        sys.path[:0] = [str(file.parent), str(Path.cwd())] if given.plugin else []
+        scenario = load(file, given.plugin)
     if given.check:
         return 0, _valid(scenario, given.scenario, _rehearsed(given, scenario))
     output.writable(given.log, given.html)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from ospace.model.joint_positions import Position
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
 from ospace.scenario.errors import ScenarioError
+from ospace.scenario.plugins import allowed
 from ospace.scenario.rehearsal import rehearse
 from ospace.scenario.schema import POSITIONS, RATES, BodyTable, RobotTable, Scenario, ScenarioTable, TargetTable
 from ospace.scenario.table import Problem
@@ -25,13 +26,15 @@ _LARGEST_FILE = 1_000_000
 _RobotAtStart = tuple[SpaceRobot, State] | tuple[None, None]
 
 
-def load(path: str | os.PathLike[str]) -> Scenario:
+def load(path: str | os.PathLike[str], plugins: Iterable[str] = ()) -> Scenario:
     """Read a scenario.
 
     Parameters
     ----------
     path : path-like
         A TOML file; its schema is in ``docs/scenario.md``.
+    plugins : sequence of str
+        Modules with code that the scenario may name, as ``my_module:MyTask``; they are imported.
 
     Returns
     -------
@@ -40,7 +43,10 @@ def load(path: str | os.PathLike[str]) -> Scenario:
     Raises
     ------
     ScenarioError
-        The file cannot be read, or the scenario cannot run: carries all problems, by key.
+        The file cannot be read, or the scenario cannot run, as one that names code of a module which is not among the
+        `plugins`: carries all problems, by key.
+    OspaceError
+        A plugin cannot be imported.
     """
     file = Path(path)
     source = _text(file)
@@ -50,7 +56,8 @@ def load(path: str | os.PathLike[str]) -> Scenario:
         raise ScenarioError(file, [("", f"is not TOML: {error}")]) from None
     except RecursionError:
         raise ScenarioError(file, [("", "is not a scenario: values are nested too deep")]) from None
-    read = ScenarioTable.model_validate(data)
+    with allowed(plugins):
+        read = ScenarioTable.model_validate(data)
     tables = list(read.tables())
     problems = [problem for table in tables for problem in table.problems()]
     robots = _Robots(file.parent, problems)

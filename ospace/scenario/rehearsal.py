@@ -23,6 +23,7 @@ from ospace.scenario.schema import (
     GraspTable,
     Hold,
     PhaseTable,
+    PluginTable,
     Scenario,
     Shift,
     TaskTable,
@@ -58,7 +59,15 @@ def rehearse(scenario: Scenario, problems: list[Problem], *, target_known: bool)
         try:
             limits = scenario.limits.of(robot, scenario.robot)
             tasks = [task.task(robot) for task in phase.tasks]
-            Controller(robot, tasks, base=scenario.base, limits=limits, **scenario.control.settings)
+            inequalities = [one.make(robot) for one in phase.inequalities]
+            Controller(
+                robot,
+                tasks,
+                base=scenario.base,
+                limits=limits,
+                inequalities=inequalities,
+                **scenario.control.settings,
+            )
         except OspaceError as error:
             problems.append((phase.key, str(error)))
     if problems:
@@ -82,6 +91,10 @@ class _Names:
         for phase in self.scenario.phases:
             for task in phase.tasks:
                 self._task(task, phase, robot, frames, held)
+            for one in phase.inequalities:
+                for key, frame in one.frames.items():
+                    where = "" if one in phase.inequality else f" (phase '{phase.name}')"
+                    self._frame(one.path(key), frame, robot.name, frames, where)
             yield robot
             if "grasp" in phase.model_fields_set:
                 combined = None if phase.grasp is None else self._grasp(phase.grasp, held)
@@ -271,6 +284,8 @@ class _Reach:
 def _stays(task: TaskTable) -> bool:
     """Return whether a task leaves a robot at rest where it is."""
     goal = task.followed
+    if isinstance(task, PluginTable):
+        return False
     if goal is None:
         return not getattr(task, "posture", None)
     return isinstance(goal, Hold) or (isinstance(goal, ToMomentum) and not goal.momentum.any())

@@ -87,6 +87,7 @@ class _Phase:
             tasks,
             base=scenario.base,
             limits=scenario.limits.of(start.robot, scenario.robot),
+            inequalities=[one.make(start.robot) for one in plan.inequalities],
             **scenario.control.settings,
         )
         self.controller.warm_up()

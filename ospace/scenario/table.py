@@ -117,6 +117,10 @@ class Table(BaseModel):
         yield from ((self.path(name), what) for name, what in self._noted)
         yield from self.mistakes()
 
+    def note_instead(self, name: str, what: str) -> None:
+        """Note what is wrong with a key, in place of what was noted of it."""
+        self._noted = [problem for problem in self._noted if problem[0] != name] + [(name, what)]
+
     def mistakes(self) -> Iterable[Problem]:
         """Return what is wrong with keys together, by their paths."""
         return ()

@@ -22,6 +22,7 @@ from ospace.control import (
     DampingTask,
     Function,
     Inequality,
+    Instant,
     JointLimits,
     PoseTask,
     PositionTask,
@@ -120,8 +121,6 @@ def base_acceleration(robot, drawn, command):
 
 
 def error_after(robot, task, drawn, a, t):
-    from ospace.control import Instant
-
     v = drawn.v + a * t
     at = Instant(robot, task.points)
     at.observe(t, pin.integrate(robot.model, drawn.q, 0.5 * (drawn.v + v) * t), v)
@@ -197,6 +196,31 @@ def test_an_inequality_holds_though_a_task_is_beyond(chaser, hand, base, strict)
     assert height_of(chaser, hand, run.q[-1], run.v[-1]) == pytest.approx(height + 0.02, abs=1e-4)
     assert statuses == {"nominal"} or worst < -1e-6
     assert "ceiling, lower" in controller.update(3.0, run.q[-1], run.v[-1]).active_limits
+
+
+@pytest.mark.parametrize("base", ["floating", "flying"])
+@pytest.mark.parametrize("way", [0.2, 0.003, -0.1])
+def test_the_bound_of_an_inequality_is_that_of_the_clamp_while_all_turns(chaser, hand, base, way):
+    """Where it binds, ÿ is the one with which the value is slowed down, or comes back, as the docs have it."""
+    q, v = state(chaser, 5)
+    h, a = 1e-3, 0.5
+    z = height_of(chaser, hand, q, v)
+    below = custom.Below(name="ceiling", point=hand, height=z + way, deceleration=a)
+    up = PositionTask(name="up", point=hand, axes=VERTICAL, reference=constant(z + 20.0))
+    limits = JointLimits(
+        **{name: np.full(chaser.n_joints, np.inf) for name in ("torque", "upper", "velocity", "acceleration")},
+        lower=np.full(chaser.n_joints, -np.inf),
+    )
+    command = Controller(chaser, up, limits=limits, base=base, inequalities=below).update(0.0, q, v)
+    assert command.active_limits == ("ceiling, lower",)
+    at = Instant(chaser, [hand])
+    at.observe(0.0, q, v)
+    acceleration = np.r_[base_acceleration(chaser, chaser.state(q, v), command), command.joint_acceleration]
+    curve = -at.jacobian(hand)[2] @ acceleration - at.drift(hand)[2]
+    rate = -at.velocity(hand)[2]
+    d = way + 0.5 * h * rate
+    ceiling = np.sign(d) * (np.sqrt((a * h) ** 2 + 2.0 * a * abs(d)) - a * h)
+    assert curve == pytest.approx(min((-ceiling - rate) / h, a), abs=1e-6 * (1.0 + abs(rate) / h))
 
 
 def test_below_zero_an_inequality_comes_back_and_says_so(chaser, hand):

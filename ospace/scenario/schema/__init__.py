@@ -7,6 +7,7 @@ from ospace.scenario.schema.control_tables import LimitsTable
 from ospace.scenario.schema.goal_tables import Follow, Hold, Shift, ToMomentum, ToPose
 from ospace.scenario.schema.keys import POSITIONS, RATES
 from ospace.scenario.schema.phase_tables import GraspTable, PhaseTable
+from ospace.scenario.schema.plugin_tables import InequalityTable, PluginTable
 from ospace.scenario.schema.robot_tables import BodyTable, RobotTable, TargetTable
 from ospace.scenario.schema.scenario import Scenario, ScenarioTable, json_schema
 from ospace.scenario.schema.task_tables import TASKS, TaskTable
@@ -19,8 +20,10 @@ __all__ = [
     "Follow",
     "GraspTable",
     "Hold",
+    "InequalityTable",
     "LimitsTable",
     "PhaseTable",
+    "PluginTable",
     "RobotTable",
     "Scenario",
     "ScenarioTable",

@@ -11,9 +11,10 @@ import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
 from ospace.control import JointLimits
-from ospace.control.solvers import solver_named
+from ospace.control.solvers import Solver, solver_named
 from ospace.exceptions import OspaceError
 from ospace.model.robot import SpaceRobot
+from ospace.scenario import plugins
 from ospace.scenario.schema.keys import ACCELERATIONS, Period, is_a
 from ospace.scenario.table import Either, OneOf, Problem, Table, Text
 from ospace.scenario.units import Quantity
@@ -24,6 +25,10 @@ Setting = Annotated[float, Quantity("number", above=0.0)]
 
 
 def _installed(solver: str) -> str:
+    if plugins.is_reference(solver):
+        if not callable(plugins.checked(solver)):
+            raise ValueError(f"'{solver}' is no function from a program to z or None")
+        return solver
     try:
         solver_named(solver)
     except OspaceError as error:
@@ -77,7 +82,7 @@ class ControlTable(Table):
     period: Period = Field(1e-3, description="Of the control cycle, a whole number of steps")
     step: Period = Field(1e-3, description="Of the integrator; the period if that is shorter")
     solver: Annotated[Text, AfterValidator(_installed)] = Field(
-        "daqp", description="daqp, proxqp, or a back-end of qpsolvers that is installed"
+        "daqp", description="daqp, proxqp, a back-end of qpsolvers that is installed, or a plugin's, as my_module:solve"
     )
     integrator: Annotated[str, OneOf(INTEGRATORS)] = Field("rk4", description="Scheme that integrates the motion")
     trust_radius: Setting = Field(1.0, description="Joint motion that an error may ask for undamped, rad or m")
@@ -91,14 +96,22 @@ class ControlTable(Table):
     @property
     def settings(self) -> dict[str, Any]:
         """Arguments that a `Controller` takes of it, by name."""
-        taken = ("period", "solver", "trust_radius", "singular", "damping", "regularization", "limit_horizon")
-        return {name: getattr(self, name) for name in taken}
+        taken = ("period", "trust_radius", "singular", "damping", "regularization", "limit_horizon")
+        return {name: getattr(self, name) for name in taken} | {"solver": self.solves}
 
     @model_validator(mode="after")
     def _short_step(self) -> ControlTable:
         if "step" not in self.model_fields_set:
             self.step = min(self.step, self.period)
         return self
+
+    @property
+    def solves(self) -> str | Solver:
+        """The solver, by its name or as the function of a plugin."""
+        if not plugins.is_reference(self.solver):
+            return self.solver
+        function: Solver = plugins.found(self.solver)
+        return function
 
     def mistakes(self) -> Iterable[Problem]:
         """Return whether the period is not a whole number of steps."""

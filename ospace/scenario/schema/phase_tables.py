@@ -8,6 +8,7 @@ from typing import Annotated
 
 from pydantic import Field, PrivateAttr
 
+from ospace.scenario.schema.plugin_tables import AnyInequality, InequalityTable
 from ospace.scenario.schema.task_tables import AnyTask, TaskTable, UnknownTask
 from ospace.scenario.table import Array, Flag, Problem, Table, Text
 from ospace.scenario.units import Quantity, Time
@@ -35,15 +36,23 @@ class PhaseTable(Table):
     )
     duration: Time = Field(0.0, description="Shortest time; required where no task has a completion test")
     task: Annotated[list[AnyTask], Array] = Field([], description="Tasks of this phase")
+    inequality: Annotated[list[AnyInequality], Array] = Field([], description="Inequalities of this phase")
     grasp: GraspTable | None = Field(None, description="At the end, the target is grasped")
     release: Flag = Field(False, description="At the end, the target is let go")
     _shared: list[TaskTable] = PrivateAttr(default_factory=list)
+    _shared_inequalities: list[InequalityTable] = PrivateAttr(default_factory=list)
 
     @property
     def tasks(self) -> list[TaskTable]:
         """Its own tasks, and those of all phases that it does not replace."""
         names = [task.name for task in self.task]
         return [*self.task, *(task for task in self._shared if task.name not in names)]
+
+    @property
+    def inequalities(self) -> list[InequalityTable]:
+        """Its own inequalities, and those of all phases that it does not replace."""
+        names = [one.name for one in self.inequality]
+        return [*self.inequality, *(one for one in self._shared_inequalities if one.name not in names)]
 
     def owns(self, task: TaskTable) -> bool:
         """Return whether a task is of this phase alone, and none of all phases."""
@@ -68,6 +77,7 @@ class PhaseTable(Table):
         if self.duration > self.timeout:
             yield self.path("duration"), f"{self.duration:g} s is longer than the time-out, {self.timeout:g} s"
         yield from same_names("task", self.task)
+        yield from same_names("inequality", self.inequality)
         tasks, given = self.tasks, {name for name, _ in self._noted}
         if not tasks and "task" not in given:
             what = "a phase needs at least one task, [[phase.task]], or one of all phases, [[task]]"
@@ -87,10 +97,13 @@ class PhaseTable(Table):
             yield self.path("release"), "a phase ends by a grasp or by a release, not by both"
 
 
-def same_names(what: str, tables: Iterable[PhaseTable] | Iterable[TaskTable]) -> Iterator[Problem]:
+def same_names(
+    what: str, tables: Iterable[PhaseTable] | Iterable[TaskTable] | Iterable[InequalityTable]
+) -> Iterator[Problem]:
     """Yield the tables that bear the name of one before them."""
     known: set[str] = set()
     for table in tables:
         if table.name in known:
-            yield table.path("name"), f"two {what}s are called '{table.name}'"
+            several = f"{what[:-1]}ies" if what.endswith("y") else f"{what}s"
+            yield table.path("name"), f"two {several} are called '{table.name}'"
         known |= {table.name} - {""}

@@ -15,6 +15,7 @@ from ospace.model.state import State
 from ospace.scenario.schema.control_tables import ControlTable, LimitsTable
 from ospace.scenario.schema.keys import default_table
 from ospace.scenario.schema.phase_tables import PhaseTable, same_names
+from ospace.scenario.schema.plugin_tables import AnyInequality
 from ospace.scenario.schema.robot_tables import RobotTable, TargetTable
 from ospace.scenario.schema.task_tables import AnyTask
 from ospace.scenario.table import Array, Problem, Table, Text
@@ -31,6 +32,7 @@ class ScenarioTable(Table):
     limits: LimitsTable = default_table(LimitsTable, "Limits of the joints")
     control: ControlTable = default_table(ControlTable, "How control and simulation go")
     task: Annotated[list[AnyTask], Array] = Field([], description="Tasks of all phases")
+    inequality: Annotated[list[AnyInequality], Array] = Field([], description="Inequalities of all phases")
     phase: Annotated[list[PhaseTable], Array] = Field(
         description="Phases, in their order", json_schema_extra={"minItems": 1}
     )
@@ -38,7 +40,7 @@ class ScenarioTable(Table):
     @model_validator(mode="after")
     def _share(self) -> ScenarioTable:
         for phase in self.phase:
-            phase._shared = self.task
+            phase._shared, phase._shared_inequalities = self.task, self.inequality
         return self
 
     def mistakes(self) -> Iterator[Problem]:

@@ -27,6 +27,7 @@ from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
 from ospace.model.points import Axes, OperationalPoint, parse_axes
 from ospace.model.robot import SpaceRobot
+from ospace.scenario import plugins
 from ospace.scenario.schema.goal_tables import Goal, MomentumGoal, MotionGoal, goal_field
 from ospace.scenario.schema.keys import (
     POSITIONS,
@@ -38,6 +39,7 @@ from ospace.scenario.schema.keys import (
     unbounded_field,
     vector_field,
 )
+from ospace.scenario.schema.plugin_tables import SCHEMA, PluginTable, reader
 from ospace.scenario.table import Either, Flag, Level, OneOf, Problem, Table, Text
 from ospace.scenario.units import Quantity, Time, Vector
 
@@ -217,6 +219,19 @@ TASK_TABLES = {name: _table_of(name, task) for name, task in TASKS.items()}
 globals().update({table.__name__: table for table in TASK_TABLES.values()})  # where pickle looks for them
 
 
+class PluginTask(PluginTable, TaskTable):
+    """A task that a plugin brings; its other keys are the arguments of its class."""
+
+    def postures(self, robot: SpaceRobot) -> tuple[dict[str, float], list[Problem]]:
+        """Return none: what its class takes is its own."""
+        return {}, []
+
+    def task(self, robot: SpaceRobot, reference: Reference | None = None) -> Task:
+        """Make the task for a robot."""
+        made: Task = self.made(robot, completion=None if self.completion is None else self.completion.make())
+        return made
+
+
 class UnknownTask(TaskTable):
     """Says what is wrong with the type, and nothing of keys that it may have."""
 
@@ -226,7 +241,11 @@ class UnknownTask(TaskTable):
 
 def _task_type(value: Any) -> str:
     named = value.get("type") if isinstance(value, dict) else None
+    if plugins.is_reference(named):
+        return "plugin"
     return named if isinstance(named, str) and named in TASKS else "_unknown"
 
 
-AnyTask = Annotated[TaskTable, Either(_task_type, {**TASK_TABLES, "_unknown": UnknownTask})]
+_REMEDY = "no dataclass that is a task, as a subclass of CustomTask"
+_PLUGIN = Annotated[PluginTask, reader(PluginTask, (Task,), _REMEDY, UnknownTask), SCHEMA]
+AnyTask = Annotated[TaskTable, Either(_task_type, {**TASK_TABLES, "plugin": _PLUGIN, "_unknown": UnknownTask})]
