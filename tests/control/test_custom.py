@@ -254,6 +254,22 @@ def test_inequalities_give_way_to_torque_limits_and_are_named(chaser, hand):
     assert (np.abs(command.torque) <= limits.torque * (1 + 1e-9)).all()
 
 
+def test_what_passes_an_inequality_is_no_solution(chaser, hand):
+    """A solver that does not see its row is not believed."""
+    q, v = chaser.configuration(), np.zeros(chaser.nv)
+    z, n = height_of(chaser, hand, q, v), chaser.n_joints
+    below = custom.Below(name="ceiling", point=hand, height=z)
+    up = PositionTask(name="up", point=hand, axes=VERTICAL, reference=constant(z + 0.1))
+
+    def blind(program):
+        bounds = slice(0, len(program.f) + n)
+        seen = program._replace(C=program.C[:n], lower=program.lower[bounds], upper=program.upper[bounds])
+        return custom.daqp_by_hand(seen)
+
+    assert Controller(chaser, up, inequalities=below).update(0.0, q, v).status == "nominal"
+    assert Controller(chaser, up, inequalities=below, solver=blind).update(0.0, q, v).status != "nominal"
+
+
 def test_rows_bound_accelerations_and_the_base_wrench_over_its_scale(chaser):
     q, v = state(chaser, 0, speed=0.05)
     task = [PostureTask(name="posture", weight=1.0), BaseAttitudeTask(name="base", robot=chaser)]
