@@ -6,6 +6,7 @@ from ospace.control.controller import Controller
 from ospace.control.inequalities import Inequality, RowsInequality
 from ospace.control.instant import Instant
 from ospace.control.limits import JointLimits
+from ospace.control.realtime import realtime
 from ospace.control.references import Constant, Function, MinimumJerk
 from ospace.control.tasks import (
     BaseAttitudeTask,
@@ -49,4 +50,5 @@ __all__ = [
     "RowsInequality",
     "RowsTask",
     "Task",
+    "realtime",
 ]

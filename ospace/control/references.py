@@ -14,6 +14,8 @@ from ospace.exceptions import OspaceError
 from ospace.kernels.tasks import tables as kernel
 from ospace.kernels.tree import Floats
 
+_UNIT = np.eye(3)
+_ROUNDING = 1e-9 + 1e-5 * _UNIT  # as a file rounds it: lengths of axes count less than their angles
 Moving = Callable[[float], tuple[pin.SE3, npt.ArrayLike, npt.ArrayLike]]
 
 
@@ -138,7 +140,7 @@ Reference = Constant | MinimumJerk | Function
 
 
 def _checked_pose(pose: pin.SE3) -> pin.SE3:
-    if not isinstance(pose, pin.SE3) or not np.allclose(pose.rotation.T @ pose.rotation, np.eye(3), atol=1e-9):
+    if not isinstance(pose, pin.SE3) or not (np.abs(pose.rotation.T @ pose.rotation - _UNIT) <= _ROUNDING).all():
         raise OspaceError(f"{pose!r}: give a pin.SE3 with a rotation")
     return pose
 
