@@ -22,7 +22,7 @@ from ospace.control.custom_rows import CustomRows, Written
 from ospace.control.inequalities import Inequality, RowsInequality
 from ospace.control.kernel_layout import base_actuation, empty_program, limit_tables, task_tables
 from ospace.control.limits import JointLimits
-from ospace.control.priorities import Level, Solution, relaxed, solve_by_levels
+from ospace.control.priorities import Level, Solution, kernel_calls, relaxed, solve_by_levels
 from ospace.control.references import Constant, Function, Reference
 from ospace.control.solvers import Solver, solver_of
 from ospace.control.tasks import Completion, CustomTask, RowsTask, Task
@@ -220,6 +220,7 @@ class Controller:
                 (recover_solution, self._recovery(self._program.f, self._program)),
                 (compose, (self._run.memory, self._run.memory, self._run.memory)),
                 *self._custom.calls(),
+                *kernel_calls(self._program),
             ]
         )
         shared = {id(one): one for one in (self.robot, self.tasks, self.inequalities)}

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ospace.control.solvers import Solver
+from ospace.control.solvers import Solver, by_proximal_steps
+from ospace.kernels.qp.null_space import Restricted, eliminate, excess, restrict
 from ospace.kernels.qp.tables import UNLIMITED, Program
 from ospace.kernels.tree import Floats
 
 _NOTHING_LEFT = 1e-9
-"""Singular values of a level's rows, over their size, below which the level leaves a direction free."""
-_NO_ROW = 1e-12
-"""Of a row's size: what is left of it in the free directions, below which it bounds nothing there."""
+"""Of a level's rows, over their size: what is left of it is none, and a direction stays free."""
+_PASSED = 1e-8
+"""By which a solution may pass the bounds of a level's program, whose rows have unit length."""
 _SMALL_WEIGHT = 1e-4
 """Of squared accelerations beside the squared excess over motion limits."""
 _ROUNDING = 1e-6
@@ -79,7 +81,7 @@ def solve_by_levels(
         else:
             dropped.append(k)
             continue
-        N = N @ _null_space(level.A @ N, float(np.linalg.norm(level.A)))
+        N = _null_space(level.A, N)
         if N.shape[1] == 0:
             return Solution(z, tuple(dropped))
     H, f = program.H.copy(), program.f.copy()
@@ -97,39 +99,31 @@ def _room(k: int, last: int) -> float:
 
 
 def _within(program: Program, z: Floats | None, N: Floats, solve: Solver, room: float) -> Floats | None:
-    """Solve for y of z + N y, or for all of z where there is none yet.
-
-    Rows that bound nothing are left out, others brought to unit length, and so is the objective: solvers take a program
-    for infeasible, or find no end, where its numbers differ by many powers of ten.
-    """
+    """Solve for y of z + N y, or for all of z where there is none yet."""
     if z is None:
         return solve(program)
-    whole = np.concatenate([np.ones(len(z)), np.linalg.norm(program.C, axis=1)])
-    C = np.vstack([N, program.C @ N])
-    value = np.concatenate([z, program.C @ z])
-    size = np.linalg.norm(C, axis=1)
-    # z may stand on many limits at once, by rounding on either side: solvers need room to find y = 0 allowed
-    lower = np.minimum(program.lower - value - room * np.maximum(1.0, np.abs(program.lower)), 0.0)
-    upper = np.maximum(program.upper - value + room * np.maximum(1.0, np.abs(program.upper)), 0.0)
-    below, above = program.lower > -UNLIMITED / 2.0, program.upper < UNLIMITED / 2.0
-    kept = (size > _NO_ROW * whole) & (below | above)
-    size, free = size[kept], np.full(N.shape[1], UNLIMITED)
-    lower = np.where(below[kept], lower[kept] / size, -UNLIMITED)
-    upper = np.where(above[kept], upper[kept] / size, UNLIMITED)
-    C = C[kept] / size[:, None]
-    H = N.T @ program.H @ N
-    scale = 1.0 / H.diagonal().max()
-    f = scale * (N.T @ (program.f + program.H @ z))
-    y = solve(Program(scale * H, f, C, np.concatenate([-free, lower]), np.concatenate([free, upper]), program.cause))
-    return None if y is None else z + N @ y
+    size, m = N.shape
+    rows = size + len(program.C)
+    to = Restricted(*map(np.empty, ((m, m), m, (rows, m), m + rows, m + rows, (size, m))))
+    kept = restrict(program, z, N, room, to)
+    left = Program(to.H, to.f, to.C[:kept], to.lower[: m + kept], to.upper[: m + kept], program.cause)
+    y = solve(left)
+    if y is not None and excess(left, y) > _PASSED:  # as DAQP ends at times, where many bounds meet
+        y = by_proximal_steps(left)
+    return None if y is None or excess(left, y) > _PASSED else z + N @ y
 
 
-def _null_space(A: Floats, size: float) -> Floats:
-    """Directions that A, of rows whose size was `size` before any level was taken out of them, leaves free."""
-    _, values, V = np.linalg.svd(A)
-    rank = int((values > _NOTHING_LEFT * size).sum())
-    null: Floats = V[rank:].T
-    return null
+def kernel_calls(program: Program) -> list[tuple[Any, tuple[Any, ...]]]:
+    """Return the kernels that levels and limits in contradiction run, each with arguments of the types it takes."""
+    z, N = program.f, program.H
+    to = Restricted(N, z, N, z, z, N)
+    return [(restrict, (program, z, N, 0.0, to)), (eliminate, (N, N, 0.0)), (excess, (program, z))]
+
+
+def _null_space(A: Floats, N: Floats) -> Floats:
+    """Return directions among the columns of N, which are overwritten, that A leaves free as well."""
+    taken = eliminate(A @ N, N, _NOTHING_LEFT * math.sqrt(np.vdot(A, A)))
+    return N[:, taken:].copy()
 
 
 def relaxed(program: Program, n: int, solve: Solver) -> tuple[Program, Floats] | None:
