@@ -26,6 +26,11 @@ class Inequality(StateFunction):
         Its name in a `Command`.
     deceleration : float
         By which y is slowed down as it approaches 0, unit of y over s²; what is below 0 comes back by no more.
+
+    Raises
+    ------
+    OspaceError
+        The deceleration is not above 0.
     """
 
     name: str
@@ -39,7 +44,16 @@ class Inequality(StateFunction):
 
     @abstractmethod
     def value(self, at: Instant) -> npt.ArrayLike:
-        """Return y (m,)."""
+        """Return y.
+
+        Parameters
+        ----------
+        at : Instant
+
+        Returns
+        -------
+        (m,) array
+        """
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -60,4 +74,13 @@ class RowsInequality(Custom, ABC):
 
     @abstractmethod
     def bounds(self, at: Instant) -> tuple[npt.ArrayLike, npt.ArrayLike]:
-        """Return G (m, n + k) and h (m,), infinite where a row is to bound nothing."""
+        """Return G and h, infinite where a row is to bound nothing.
+
+        Parameters
+        ----------
+        at : Instant
+
+        Returns
+        -------
+        G, h : (m, n + k), (m,) arrays
+        """

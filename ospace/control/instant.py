@@ -1,4 +1,4 @@
-"""What tasks and inequalities written in Python see of a control cycle: time, state, and how their points move."""
+"""View of a control cycle for tasks and inequalities written in Python: time, state, and how their points move."""
 
 from __future__ import annotations
 
@@ -70,27 +70,117 @@ class Instant:
         self._stale = True
 
     def position(self, point: OperationalPoint) -> Floats:
-        """Return where the point is (3,); m."""
+        """Return where the point is, inertial frame.
+
+        Parameters
+        ----------
+        point : OperationalPoint
+            One of those that tasks and inequalities hold.
+
+        Returns
+        -------
+        (3,) array
+            m.
+
+        Raises
+        ------
+        OspaceError
+            The point is none of these.
+        """
         return self._of(point).position
 
     def rotation(self, point: OperationalPoint) -> Floats:
-        """Return the rotation (3, 3) from the point's axes to inertial ones."""
+        """Return the rotation from the point's axes to inertial ones.
+
+        Parameters
+        ----------
+        point : OperationalPoint
+            One of those that tasks and inequalities hold.
+
+        Returns
+        -------
+        (3, 3) array
+
+        Raises
+        ------
+        OspaceError
+            The point is none of these.
+        """
         return self._of(point).rotation
 
     def velocity(self, point: OperationalPoint) -> Floats:
-        """Return ẋ (6,); m/s, rad/s."""
+        """Return ẋ of the point, inertial axes.
+
+        Parameters
+        ----------
+        point : OperationalPoint
+            One of those that tasks and inequalities hold.
+
+        Returns
+        -------
+        (6,) array
+            m/s, rad/s.
+
+        Raises
+        ------
+        OspaceError
+            The point is none of these.
+        """
         return self._of(point).velocity
 
     def jacobian(self, point: OperationalPoint) -> Floats:
-        """Return J (6, nv), with which ẋ = J v."""
+        """Return the Jacobian of the point, inertial axes, with which ẋ = J v.
+
+        Parameters
+        ----------
+        point : OperationalPoint
+            One of those that tasks and inequalities hold.
+
+        Returns
+        -------
+        (6, nv) array
+
+        Raises
+        ------
+        OspaceError
+            The point is none of these.
+        """
         return self._of(point).jacobian
 
     def drift(self, point: OperationalPoint) -> Floats:
-        """Return J̇ v (6,): the classical acceleration while v stays; m/s², rad/s²."""
+        """Return J̇ v: the classical acceleration of the point while v stays.
+
+        Parameters
+        ----------
+        point : OperationalPoint
+            One of those that tasks and inequalities hold.
+
+        Returns
+        -------
+        (6,) array
+            m/s², rad/s².
+
+        Raises
+        ------
+        OspaceError
+            The point is none of these.
+        """
         return self._of(point).drift
 
     def observe(self, time: float, q: Floats, v: Floats) -> None:
-        """Take time and state; raise `OspaceError` where the kernels cannot place the joints there."""
+        """Take time and state.
+
+        Parameters
+        ----------
+        time : float
+            s.
+        q, v : (nq,), (nv,)
+
+        Raises
+        ------
+        OspaceError
+            The kernels cannot place the joints there.
+        """
         status = observe(q, v, *self._tables)
         if status:
             raise OspaceError("tasks and inequalities in Python need joint positions below 1e5 rad")
@@ -98,13 +188,19 @@ class Instant:
 
     @property
     def arguments(self) -> tuple[Floats, ...]:
-        """What the kernel `observe` takes."""
+        """Arguments of the kernel `observe`."""
         return self._run.q, self._run.v, *self._tables
 
     def later(self) -> tuple[Instant, float]:
-        """Return an instant a little later, with the same v, and by how much it is later, s.
+        """Return an instant a little later, with the same v.
 
         What changes until then, over that time, is a rate of change while v stays.
+
+        Returns
+        -------
+        Instant
+        float
+            By how much it is later, s.
         """
         step = float(_STEP * np.sqrt(1.0 + np.abs(self.q[:3]).max()))
         if self._later is None:

@@ -110,9 +110,9 @@ def realtime(controller: Controller, period: float | None = None) -> Iterator[Lo
     period : float, optional
         A cycle that takes longer is an overrun, s; the controller's period without it.
 
-    Yields
-    ------
-    Loop
+    Returns
+    -------
+    context manager of Loop
         Call its `update` in place of the controller's.
 
     Raises

@@ -1,4 +1,4 @@
-"""What users write in Python: functions of time and state, with their derivatives, and rows of the program."""
+"""Parts that users write in Python: functions of time and state, with their derivatives, and rows of the program."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ospace.model.points import OperationalPoint
 
 
 class Custom:
-    """What a user's class has in common with others: a size, and points.
+    """Base of a user's class: a size, and points.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What tasks and inequalities written in Python see of a state: the motion of points in the coordinates of q and v.
+"""View of a state for tasks and inequalities written in Python: the motion of points in the coordinates of q and v.
 
 With v = [v_b; φ̇] and v_b = [ν_b; ω_b] in base axes, R those axes, p_e the point about the base, J_φ the columns of the
 joints (29),

@@ -65,7 +65,16 @@ class CustomTask(_WrittenInPython, StateFunction):
 
     @abstractmethod
     def error(self, at: Instant) -> npt.ArrayLike:
-        """Return e (m,)."""
+        """Return e.
+
+        Parameters
+        ----------
+        at : Instant
+
+        Returns
+        -------
+        (m,) array
+        """
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -73,6 +82,16 @@ class RowsTask(_WrittenInPython):
     """Accelerations that a task demands: A z = b, with z = [φ̈; û] as `RowsInequality` has it.
 
     `Command.errors` has b for it. Stiffness and damping have no meaning.
+
+    Parameters
+    ----------
+    name, weight, level
+        As of every `Task`.
+
+    Raises
+    ------
+    OspaceError
+        A completion test is given, or the task makes no sense.
     """
 
     unit: ClassVar[str] = "m/s^2"
@@ -84,7 +103,16 @@ class RowsTask(_WrittenInPython):
 
     @abstractmethod
     def equations(self, at: Instant) -> tuple[npt.ArrayLike, npt.ArrayLike]:
-        """Return A (m, n + k) and b (m,)."""
+        """Return A and b of the accelerations that are demanded.
+
+        Parameters
+        ----------
+        at : Instant
+
+        Returns
+        -------
+        A, b : (m, n + k), (m,) arrays
+        """
 
     def __post_init__(self) -> None:
         super().__post_init__()
