@@ -13,8 +13,8 @@ import pytest
 import ospace
 
 PACKAGE = Path(ospace.__file__).parent
-SURFACE = ("ospace", "ospace.models", "ospace.control", "ospace.simulation", "ospace.scenario", "ospace.scenario.log")
-TODO = ("cli", "visual")  # packages whose docstrings open otherwise still; none is added here
+SURFACE = ("ospace", "ospace.models", "ospace.analysis", "ospace.control", "ospace.simulation", "ospace.scenario")
+SURFACE += ("ospace.scenario.log", "ospace.urdf.composition", "ospace.visual")
 OPENS_WRONG = re.compile(r"(What|How|Where|Whether|Which|Why|When|Who)\b")
 
 
@@ -22,8 +22,6 @@ def documented():
     """Yield each docstring of the package, by its place."""
     for file in sorted(PACKAGE.rglob("*.py")):
         path = file.relative_to(PACKAGE)
-        if path.parts[0] in TODO:
-            continue
         for node in ast.walk(ast.parse(file.read_text())):
             if isinstance(node, (ast.Module, ast.FunctionDef, ast.ClassDef)) and ast.get_docstring(node):
                 yield f"{path}:{getattr(node, 'name', '')}", ast.get_docstring(node)

@@ -89,7 +89,18 @@ def base_motion(
 
 
 def base_turn(poses: Floats) -> float:
-    """Return the angle between the first and the last attitude of `poses` (N, 7), in [0, π] rad."""
+    """Return the angle between the first and the last attitude of a base.
+
+    Parameters
+    ----------
+    poses : (N, 7)
+        As `base_motion` returns them.
+
+    Returns
+    -------
+    float
+        In [0, π]; rad.
+    """
     first, last = (pin.XYZQUATToSE3(np.asarray(pose, dtype=float)).rotation for pose in (poses[0], poses[-1]))
     return float(np.linalg.norm(pin.log3(first.T @ last)))
 

@@ -24,7 +24,7 @@ _INERTIAL = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
 
 @dataclass(frozen=True)
-class Comparison:
+class TimedComparison:
     """One quantity by two ways.
 
     Attributes
@@ -136,7 +136,7 @@ class Pinocchio:
         return np.concatenate([self._acceleration(point) for point in self.points])
 
 
-def inverse_inertia(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> Comparison:
+def inverse_inertia(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> TimedComparison:
     """Γ_e⁻¹ alone."""
     run, peer = OperationalSpaceEvaluator(robot, points, ("inertia_inverse",)), Pinocchio(robot, points)
 
@@ -144,10 +144,10 @@ def inverse_inertia(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> Co
         mobility, R = peer.delassus(q, v), peer.axes()
         return [(run.update(q, v).inertia_inverse, R @ mobility @ R.T)]
 
-    return Comparison("Γ_e⁻¹", "pin.computeDelassusMatrix", run.update, peer.delassus, results)
+    return TimedComparison("Γ_e⁻¹", "pin.computeDelassusMatrix", run.update, peer.delassus, results)
 
 
-def operational_space_terms(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> Comparison:
+def operational_space_terms(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> TimedComparison:
     """Γ_e⁻¹, Γ_e and μ_e."""
     run, peer = OperationalSpaceEvaluator(robot, points), Pinocchio(robot, points)
 
@@ -163,20 +163,20 @@ def operational_space_terms(robot: SpaceRobot, points: Sequence[OperationalPoint
         ]
 
     called = "pin.computeDelassusMatrix, np.linalg.inv, pin.aba"
-    return Comparison("Γ_e⁻¹, Γ_e, μ, μ_e", called, run.update, peer.operational_space, results)
+    return TimedComparison("Γ_e⁻¹, Γ_e, μ, μ_e", called, run.update, peer.operational_space, results)
 
 
-def jacobian(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> Comparison:
+def jacobian(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> TimedComparison:
     """J_e."""
     run, peer = OperationalSpaceEvaluator(robot, points, ("jacobian",)), Pinocchio(robot, points)
 
     def results(q: Floats, v: Floats) -> list[tuple[Floats, Floats]]:
         return [(run.update(q, v).jacobian[:, 6:], np.vstack(peer.jacobians(q, v))[:, 6:])]
 
-    return Comparison("J_e", "pin.computeJointJacobians, getFrameJacobian", run.update, peer.jacobians, results)
+    return TimedComparison("J_e", "pin.computeJointJacobians, getFrameJacobian", run.update, peer.jacobians, results)
 
 
-def generalized(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> Comparison:
+def generalized(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> TimedComparison:
     """J_m*, M_0 and H_m*."""
     run, peer = OperationalSpaceEvaluator(robot, points, ("generalized_inertia",)), Pinocchio(robot, points)
 
@@ -186,10 +186,10 @@ def generalized(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> Compar
         return [(ours.generalized_jacobian, J_m_star), (ours.generalized_inertia, H_m_star)]
 
     called = "pin.crba, computeJointJacobians, np.linalg.solve"
-    return Comparison("J_m*, H_m*, M_0", called, run.update, peer.generalized, results)
+    return TimedComparison("J_m*, H_m*, M_0", called, run.update, peer.generalized, results)
 
 
-def from_a_state(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> Comparison:
+def from_a_state(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> TimedComparison:
     """Γ_e⁻¹, Γ_e, μ and μ_e by `operational_space`, a new state each time."""
     peer = Pinocchio(robot, points)
 
@@ -206,10 +206,10 @@ def from_a_state(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> Compa
         ]
 
     called = "pin.crba, nonLinearEffects, Jacobians, np.linalg"
-    return Comparison("operational_space(state)", called, ours, peer.by_hand, results)
+    return TimedComparison("operational_space(state)", called, ours, peer.by_hand, results)
 
 
-def read_only_input(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> Comparison:
+def read_only_input(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> TimedComparison:
     """Γ_e⁻¹ of read-only arrays, as `State.q` is, against the same of writable ones: in one state."""
     run = OperationalSpaceEvaluator(robot, points, ("inertia_inverse",))
     writable = robot.configuration(), np.zeros(robot.nv)
@@ -221,7 +221,7 @@ def read_only_input(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> Co
         return [(run.update(given.q, given.v).inertia_inverse.copy(), run.update(q, v).inertia_inverse)]
 
     called = "the same of writable q, v: no Pinocchio"
-    return Comparison(
+    return TimedComparison(
         "Γ_e⁻¹ of read-only q, v",
         called,
         lambda q, v: run.update(*read_only),
@@ -230,7 +230,7 @@ def read_only_input(robot: SpaceRobot, points: Sequence[OperationalPoint]) -> Co
     )
 
 
-COMPARISONS: tuple[Callable[[SpaceRobot, Sequence[OperationalPoint]], Comparison], ...] = (
+COMPARISONS: tuple[Callable[[SpaceRobot, Sequence[OperationalPoint]], TimedComparison], ...] = (
     inverse_inertia,
     operational_space_terms,
     jacobian,

@@ -15,7 +15,7 @@ import pinocchio as pin
 
 import ospace
 from ospace.benchmark import codegen, pinocchio_baseline, scaling
-from ospace.benchmark.pinocchio_baseline import Comparison
+from ospace.benchmark.pinocchio_baseline import TimedComparison
 from ospace.benchmark.scaling import Scaling
 from ospace.benchmark.timing import WINDOWS, Ratio, States, Tick, window_times
 from ospace.dynamics.batch import operational_space_batch
@@ -110,14 +110,14 @@ class Plan:
     ----------
     robot : SpaceRobot
     states : sequence of (q, v)
-    comparisons : tuple of (p, Comparison)
+    comparisons : tuple of (p, TimedComparison)
     sizes : tuple of int
         Degrees of freedom of the robots of the growth table.
     """
 
     robot: SpaceRobot
     states: States
-    comparisons: tuple[tuple[int, Comparison], ...]
+    comparisons: tuple[tuple[int, TimedComparison], ...]
     sizes: tuple[int, ...] = scaling.SIZES
 
     @property

@@ -19,7 +19,7 @@ _ON = 1e-6  # how near a bound, relative to its size and at least to 1, counts a
 
 
 @dataclass(frozen=True)
-class Layout:
+class CommandLayout:
     """Names behind the numbers of a command; the same for all commands of a controller."""
 
     joints: Sequence[str]
@@ -99,7 +99,7 @@ class Command:
     dropped: dict[int | None, tuple[str, ...]]
     outside: dict[str, float]
     timing: Timing
-    _layout: Layout = field(repr=False)
+    _layout: CommandLayout = field(repr=False)
     _bounds: tuple[Floats, Floats, Floats, Ints] = field(repr=False)
     """Lower, upper, what they bound, and causes."""
     _rows: tuple[Floats, Floats, Floats, Floats] = field(repr=False)

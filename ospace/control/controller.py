@@ -16,7 +16,7 @@ import pinocchio as pin
 
 from ospace.checks import check_kind, checked_number, checked_vector
 from ospace.control.base import Base, parse_base
-from ospace.control.command import Command, Layout, Status, Timing
+from ospace.control.command import Command, CommandLayout, Status, Timing
 from ospace.control.completion import CompletionWatch
 from ospace.control.custom_rows import CustomRows, Written
 from ospace.control.inequalities import Inequality, RowsInequality
@@ -184,7 +184,7 @@ class Controller:
         self.wheel_momentum = checked_vector(wheel_momentum, 3, "wheel_momentum", robot.name)
         first = self._tasks.first
         geometric = [np.arange(first[t], first[t + 1]) for t, task in enumerate(self.tasks) if task.geometric]
-        self._layout = Layout(
+        self._layout = CommandLayout(
             robot.rate_names,
             {**joint_units(robot.model), **{one.name: one.unit for one in self.inequalities}},
             [_COMPONENTS[c] for c in self._base.component],

@@ -178,7 +178,12 @@ class Scene:
         self._surround([rest])
 
     def add(self, robot: SpaceRobot) -> None:
-        """Put another robot into the scene, such as a target: it is drawn without points and quantities."""
+        """Put another robot into the scene, such as a target: it is drawn without points and quantities.
+
+        Parameters
+        ----------
+        robot : SpaceRobot
+        """
         drawn = _SceneRobot(self.meshcat_scene, len(self._robots), robot)
         self._robots.append(drawn)
         self.findings += drawn.geometry.findings
@@ -348,11 +353,22 @@ class Scene:
     # -- where it is seen ------------------------------------------------------------------------------------
 
     def html(self) -> str:
-        """Return the scene as a page that needs nothing else: no server, no file beside it, no network."""
+        """Return the scene as a page that needs nothing else: no server, no file beside it, no network.
+
+        Returns
+        -------
+        str
+            HTML.
+        """
         return page.render(self.content())
 
     def content(self) -> page.Content:
-        """Return what a page is made of."""
+        """Return the parts of a page.
+
+        Returns
+        -------
+        Content
+        """
         robot = self.robot
         heading = f"{robot.nv} degrees of freedom, {robot.total_mass:.6g} kg"
         legends = {one.name: one.legend for one in self._overlays}
@@ -369,7 +385,17 @@ class Scene:
         )
 
     def save_html(self, path: str | PathLike[str]) -> Path:
-        """Write the scene to one file that a browser opens, without a request to anywhere; return its path."""
+        """Write the scene to one file that a browser opens, without a request to anywhere.
+
+        Parameters
+        ----------
+        path : path-like
+
+        Returns
+        -------
+        Path
+            Of the file.
+        """
         file = Path(path)
         with replacing(file) as part:
             part.write_text(self.html(), encoding="utf-8")

@@ -13,7 +13,7 @@ from ospace.urdf.bodies import Body, tensor_of
 from ospace.urdf.coupling import Following
 from ospace.urdf.description import Link
 from ospace.urdf.lint.findings import Finding, any_error, make_finding
-from ospace.urdf.lint.massless import Motion, motion_of, motions_of, new_rng, singular_joints
+from ospace.urdf.lint.massless import JointMotion, motion_of, motions_of, new_rng, singular_joints
 from ospace.urdf.lint.rules import Severity
 
 ROUNDED = 1e-4
@@ -91,7 +91,7 @@ def check_model(model: pin.Model, followers: Mapping[str, Following]) -> list[Fi
 
 def _check_bodies(
     bodies: Sequence[MovingBody],
-    motions: Sequence[Motion],
+    motions: Sequence[JointMotion],
     followers: Mapping[str, Following],
     unsound: bool = False,
 ) -> list[Finding]:

@@ -24,7 +24,7 @@ _SEED = 0
 
 
 @dataclass(frozen=True)
-class Motion:
+class JointMotion:
     """Rotation that a joint gives its body in some configuration.
 
     Attributes
@@ -42,12 +42,12 @@ class Motion:
     armature: Floats
 
 
-def motion_of(joint: Joint, rotation: Floats, rng: np.random.Generator) -> Motion:
+def motion_of(joint: Joint, rotation: Floats, rng: np.random.Generator) -> JointMotion:
     """Take a joint of a URDF, whose frame is turned by `rotation`, at a position taken at random.
 
     Returns
     -------
-    Motion
+    JointMotion
     """
     axis, none = np.array(joint.axis)[:, None], np.zeros((3, 1))
     about_axis = pin.exp3(axis[:, 0] * rng.uniform(-np.pi, np.pi))
@@ -56,15 +56,15 @@ def motion_of(joint: Joint, rotation: Floats, rng: np.random.Generator) -> Motio
         "planar": (about_axis, np.hstack([none, none, axis])),
         "floating": (pin.exp3(rng.normal(size=3)), np.hstack([none, none, none, np.eye(3)])),
     }.get(joint.kind, (about_axis, axis))
-    return Motion(rotation @ turn, turning, np.zeros(turning.shape[1]))
+    return JointMotion(rotation @ turn, turning, np.zeros(turning.shape[1]))
 
 
-def motions_of(model: pin.Model) -> list[Motion]:
+def motions_of(model: pin.Model) -> list[JointMotion]:
     """Take the joints of a model behind its free-flyer in a configuration taken at random.
 
     Returns
     -------
-    list of Motion
+    list of JointMotion
     """
     rng = new_rng()
     q = pin.integrate(model, pin.neutral(model), rng.uniform(-1.0, 1.0, model.nv))
@@ -75,7 +75,7 @@ def motions_of(model: pin.Model) -> list[Motion]:
         joint.calc(data, q)
         turning = np.asarray(data.S).reshape(6, -1)[3:]
         armature = np.asarray(model.armature)[first : first + model.nvs[j]]
-        motions.append(Motion(model.jointPlacements[j].rotation @ data.M.rotation, turning, armature))
+        motions.append(JointMotion(model.jointPlacements[j].rotation @ data.M.rotation, turning, armature))
     return motions
 
 
@@ -90,7 +90,7 @@ def new_rng() -> np.random.Generator:
 
 
 def singular_joints(
-    parents: Sequence[int], masses: Sequence[float], tensors: Sequence[Floats], motions: Sequence[Motion]
+    parents: Sequence[int], masses: Sequence[float], tensors: Sequence[Floats], motions: Sequence[JointMotion]
 ) -> list[int]:
     """Find the bodies whose joints move no mass, and nothing else that resists.
 
@@ -100,7 +100,7 @@ def singular_joints(
         Number of the body from which each hangs, smaller than its own; −1 for the base.
     masses, tensors : sequence of float, of (3, 3)
         Of each body; kg, kg m².
-    motions : sequence of Motion
+    motions : sequence of JointMotion
         Of each body but the base.
 
     Returns
