@@ -92,7 +92,7 @@ def test_the_excess_is_that_of_the_bound_that_is_passed_most():
 
 def test_a_solution_that_passes_bounds_is_not_believed():
     """As DAQP's are at times, where many bind at once: the level is solved in proximal steps instead."""
-    program, level = program_of(1), Level(np.eye(9)[:2], np.array([5.0, 5.0]), 0.0)
+    program, level = program_of(1), Level(np.eye(9)[:2], np.array([5.0, 5.0]), *np.zeros((2, 9)))
     right, calls = solver_named("daqp"), []
 
     def wrong(given):
