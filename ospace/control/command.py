@@ -40,6 +40,8 @@ class CommandLayout:
     trust_radius: float
     components_of_rows: Ints
     """(m,) which of six components, or which joint, each row is."""
+    task_units: Sequence[str]
+    """Of the errors of tasks in Python; empty for others."""
     allowed: Floats
     """(T, 2) by how much the linear and angular rows of a task may be short."""
 
@@ -76,8 +78,8 @@ class Command:
         The last of these that holds: all limits are kept, and every task about points or axes follows its reference
         within the bounds of its completion test, or 1 cm and 1 deg; a task does not, as `shortfalls` tells; motion
         limits and inequalities had to give way to torque limits; a joint is outside its position limits, or the value
-        of an inequality below 0; no solution was found for tasks of a level; nothing could be solved and the joints
-        are braked.
+        of an inequality below 0; no solution was found for tasks of a level; nothing could be solved and the joints are
+        braked.
     softened : dict of name to float
         By how much a joint's acceleration passes the bounds that its motion limits set, rad/s² or m/s²; or a row of an
         inequality its bound.
@@ -157,7 +159,15 @@ class Command:
             own = slice(layout.first[t], layout.first[t + 1])
             rows_of_task = TaskResidual(A[own], error[own], residual[own], layout.components_of_rows[own])
             found.append(
-                shortfall(layout.tasks[t], rows_of_task, short[t], layout.allowed[t], binding, layout.trust_radius)
+                shortfall(
+                    layout.tasks[t],
+                    rows_of_task,
+                    short[t],
+                    layout.allowed[t],
+                    binding,
+                    layout.trust_radius,
+                    layout.task_units[t],
+                )
             )
         return tuple(found)
 
@@ -218,10 +228,13 @@ class Command:
         Returns
         -------
         direction : (3,)
-            Unit vector, inertial axes: the larger part of the left singular vector of the task's rows at σ_min.
+            Unit vector, inertial axes: the larger part of the left singular vector of the task's rows at σ_min; zero
+            for a task in Python, whose rows are along no axes.
         turning : bool
         """
         t = list(self._layout.tasks).index(task)
+        if self._layout.task_units[t]:
+            return np.zeros(3), False
         own = slice(self._layout.first[t], self._layout.first[t + 1])
         u, six = np.linalg.svd(self._rows[0][own])[0][:, -1], np.zeros(6)
         six[self._layout.components_of_rows[own]] = u
@@ -248,7 +261,8 @@ class Command:
         reasons += map(str, self.shortfalls)
         for task in self.near_singularity:
             direction, turning = self.lost_direction(task)
-            reasons.append(f"near a dynamic singularity: {task}, {'about' if turning else 'along'} {shown(direction)}")
+            where = f", {'about' if turning else 'along'} {shown(direction)}" if direction.any() else ""
+            reasons.append(f"near a dynamic singularity: {task}{where}")
         if not reasons:
             rounding = "the limits leave next to no room; all are kept but for rounding"
             kept = "all limits are kept, all references followed"

@@ -36,7 +36,7 @@ from ospace.kernels.jit.together import compile_together
 from ospace.kernels.qp import tables as kernel
 from ospace.kernels.qp.program import assemble, recover_solution
 from ospace.kernels.tasks.tables import REFERENCE
-from ospace.kernels.tree import Floats
+from ospace.kernels.tree import Floats, Ints
 from ospace.model.joint_positions import joint_units
 from ospace.model.points import OperationalPoint, check_owner
 from ospace.model.robot import SpaceRobot
@@ -158,8 +158,8 @@ class Controller:
         n, m = robot.n_joints, len(self._tasks.rows)
         self._base = base_actuation(robot, self.base)
         component, scale = self._base.component, self._base.scale
-        g = sum(one.size for one in self.inequalities)
         allowed = np.array([_allowed(task) for task in self.tasks])
+        g = sum(one.size for one in self.inequalities)
         self._rows, self._program, self._answer = empty_program(n, len(component), m, g, allowed)
         self._weights = kernel.Weights(
             np.array([task.weight if task.level is None else 0.0 for task in self.tasks]),
@@ -196,9 +196,11 @@ class Controller:
             singular,
             self._weights.trust_radius,
             self._tasks.rows,
+            [task.unit if isinstance(task, CustomTask) else "" for task in self.tasks],
             allowed,
         )
         self._levels = sorted({task.level for task in self.tasks if task.level is not None})
+        self._rows_of_levels = [self._level(number) for number in self._levels]
         self._moving: list[tuple[int, Function]] = []
         self._begun, self._time, self._falls_short = False, 0.0, False
         self._references: list[Reference | None] = [None] * len(self.tasks)
@@ -371,12 +373,8 @@ class Controller:
         if not self._levels and start is None:
             z = self._solve(program)
             return None if z is None else Solution(z)
-        levels, first = [], self._tasks.first
-        for number in self._levels:
-            taken = [t for t, task in enumerate(self.tasks) if task.level == number]
-            rows = np.concatenate([np.arange(first[t], first[t + 1]) for t in taken])
-            scale = np.sqrt(np.concatenate([np.full(first[t + 1] - first[t], self.tasks[t].weight) for t in taken]))
-            weight = np.array([self.tasks[t].weight for t in taken])
+        levels = []
+        for taken, weight, rows, scale in self._rows_of_levels:
             damped, slowed = weight @ self._weights.damped[taken], weight @ self._weights.slowed[taken]
             levels.append(Level(scale[:, None] * self._rows.A[rows], scale * self._rows.b[rows], damped, slowed))
         return solve_by_levels(program, levels, self._solve, self._weights.regularization, start)
@@ -508,7 +506,7 @@ class Controller:
         for one in self.inequalities:
             written.append((one, at))
             at += one.size
-        own = self._base, self._rows, self._program, self._run.memory, self.period
+        own = self._base, self._rows, self._program, self._run.memory, self.period, self._limits.horizon
         self._custom = CustomRows(self.robot, written, *own)
         self._R, self._place = self._run.table("R"), self._run.table("place")
         self._q, self._v = self._run.table("q")[: self.robot.nq, 0], self._run.table("velocity")[:, 0]
@@ -536,6 +534,14 @@ class Controller:
                 raise OspaceError(f"two {what} are called '{name}': give each a name of its own")
         if not self.tasks:
             raise OspaceError("no task given: a controller needs at least one")
+
+    def _level(self, number: int) -> tuple[list[int], Floats, Ints, Floats]:
+        """Tasks of a strict level and their weights, and their rows and the roots of these rows' weights."""
+        first = self._tasks.first
+        taken = [t for t, task in enumerate(self.tasks) if task.level == number]
+        weight = np.array([self.tasks[t].weight for t in taken])
+        rows = np.concatenate([np.arange(first[t], first[t + 1]) for t in taken])
+        return taken, weight, rows, np.sqrt(np.repeat(weight, np.diff(first)[taken]))
 
     def _index(self, name: str) -> int:
         names = [task.name for task in self.tasks]
@@ -569,6 +575,8 @@ class Controller:
 
 def _allowed(task: Task) -> tuple[float, float]:
     """By how much a task may be short of its reference: the bounds of its completion test, else 1 cm and 1 deg."""
+    if isinstance(task, CustomTask) and task.completion is None and task.unit not in ("m", "rad"):
+        return math.inf, math.inf
     bounds = task.completion or Completion(_SHORT, math.radians(1.0))
     return (
         bounds.position if math.isfinite(bounds.position) else _SHORT,

@@ -37,8 +37,8 @@ class CustomRows:
     base, rows, program : the controller's tables
     memory : Floats
         Of its evaluator.
-    period : float
-        s.
+    period, horizon : float
+        Of control, and how far ahead limits are seen; s.
 
     Attributes
     ----------
@@ -55,6 +55,7 @@ class CustomRows:
         program: Program,
         memory: Floats,
         period: float,
+        horizon: float,
     ) -> None:
         self.any = bool(written)
         if not self.any:
@@ -84,7 +85,7 @@ class CustomRows:
         )
         self._functions = [_Function(one, self._tables, c) for c, (one, _) in enumerate(smooth)]
         self._steps = not self._tables.given[:, 1].all()
-        self._of_controller = memory, base, period
+        self._of_controller = memory, base, period, horizon
 
     def write(self, time: float, q: Floats, v: Floats) -> None:
         """Write all rows for the state that the controller's evaluator has evaluated last.

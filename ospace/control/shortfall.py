@@ -41,11 +41,13 @@ class Shortfall:
         By how much position and orientation would rest short of the reference, m and rad; zero without such rows.
     direction : (3,)
         Unit vector, inertial axes: along which the position is short, or about which the orientation is if it is the
-        shorter of the two, relative to what is allowed.
+        shorter of the two, relative to what is allowed; zero for a task in Python.
     limits : tuple of str
         What holds it back, as in `Command.active_limits`, the strongest first.
     turning : bool
         Whether `direction` is an axis to turn about.
+    unit : str
+        Of `distance`: m, or that of a task in Python.
     """
 
     task: str
@@ -55,6 +57,7 @@ class Shortfall:
     direction: Floats
     limits: tuple[str, ...] = ()
     turning: bool = False
+    unit: str = "m"
 
     @property
     def cause(self) -> str:
@@ -65,7 +68,9 @@ class Shortfall:
     @property
     def size(self) -> str:
         """By how much it is short, as ``'0.56 m short along (0.93, 0, 0.37)'``."""
-        short = f"{math.degrees(self.angle):.2g} deg" if self.turning else f"{self.distance:.2g} m"
+        short = f"{math.degrees(self.angle):.2g} deg" if self.turning else f"{self.distance:.2g} {self.unit}"
+        if not self.direction.any():
+            return f"{short} short"
         return f"{short} short {'about' if self.turning else 'along'} {shown(self.direction)}"
 
     def __str__(self) -> str:
@@ -103,6 +108,7 @@ def shortfall(
     allowed: Floats,
     binding: tuple[Floats, tuple[str, ...]],
     trust_radius: float,
+    unit: str = "",
 ) -> Shortfall:
     """Return why a task falls short.
 
@@ -114,6 +120,8 @@ def shortfall(
         Rows of the limits that bind.
     trust_radius : float
         As of the controller.
+    unit : str
+        Of a task in Python, whose rows are along no axes; empty for others.
     """
     A, error, residual, components = rows
     mean, size = float(np.linalg.norm(A)) / math.sqrt(len(A)), float(np.linalg.norm(residual))
@@ -126,17 +134,23 @@ def shortfall(
     for row, component in enumerate(components.tolist()):
         if (component >= 3) == turning:
             away += error[row] * direction[component % 3]
+    if unit:
+        direction, away = np.zeros(3), float(np.linalg.norm(error))
     own = (float(short[0]), float(short[1]), direction)
     pull = -A.T @ residual
     if np.linalg.norm(pull) < _NO_PULL * mean * size:
         lost = away > _AWAY * short[int(turning)]
-        return Shortfall(task, "out of reach" if lost else "near a dynamic singularity", *own, turning=turning)
+        return Shortfall(
+            task, "out of reach" if lost else "near a dynamic singularity", *own, turning=turning, unit=unit or "m"
+        )
     G, names = binding
     if len(names):
         force = np.linalg.lstsq(G.T, pull, rcond=None)[0][:, None] * G
         if np.linalg.norm(pull - force.sum(axis=0)) < _HELD * np.linalg.norm(pull):
             strength = np.linalg.norm(force, axis=1)
             order = [k for k in np.argsort(-strength) if strength[k] > _BLAMED * strength.max() + _CLEAR]
-            return Shortfall(task, "held back by limits", *own, tuple(names[k] for k in order), turning)
+            return Shortfall(task, "held back by limits", *own, tuple(names[k] for k in order), turning, unit or "m")
     damped = float(np.linalg.norm(error)) > _DAMPED * trust_radius * mean
-    return Shortfall(task, "on its way" if damped else "held back by other tasks", *own, turning=turning)
+    return Shortfall(
+        task, "on its way" if damped else "held back by other tasks", *own, turning=turning, unit=unit or "m"
+    )

@@ -17,6 +17,8 @@ from ospace.kernels.tree import Floats
 Solver = Callable[[Program], Floats | None]
 """Returns z, or None where there is no solution."""
 _TOLERANCE = 1e-9
+_PASSED = 1e-6
+"""By how much, relative to a bound and at least to 1, a function's solution may pass it."""
 _FINE = 1e-12
 _PROXIMAL = (1e-3, 1e-2, 1e-1)
 """Weights of |z − z_before|² beside the largest of H: the larger, the better conditioned, and the more steps."""
@@ -77,7 +79,10 @@ def _by_function(function: Solver, program: Program) -> Floats | None:
             f"{name} returned {returned!r:.60}: give {len(program.f)} finite numbers, one for each of program.f, or "
             f"None where it finds no solution"
         )
-    return z
+    value = np.concatenate([z, program.C @ z])
+    kept = (value >= program.lower - _PASSED * np.maximum(1.0, np.abs(program.lower))).all()
+    kept &= (value <= program.upper + _PASSED * np.maximum(1.0, np.abs(program.upper))).all()
+    return z if kept else None
 
 
 def _solve(first: Solver, program: Program) -> Floats | None:

@@ -6,9 +6,9 @@ With ẏ = J v + ∂y/∂t and ÿ = J v̇ + c in the coordinates of q and v, and
     ÿ = A z + a⁰
 
 A task brings its error y to zero, A z = −d ẏ − k y − a⁰, saturated as other tasks are. An inequality keeps y ≥ 0 as
-`joint_limits` keeps a joint from its lower limit: with the deceleration a and the period h,
+`joint_limits` keeps a joint from its lower limit: with the deceleration a, the period h and the horizon T,
 
-    ÿ ≥ min((−ceiling(y + h ẏ/2) − ẏ)/h, a)
+    ÿ ≥ min((−ceiling(y + h ẏ/2) − ẏ)/r, a),   r = max(h, T/4)
 """
 
 from __future__ import annotations
@@ -59,12 +59,21 @@ class CustomRows(NamedTuple):
 
 @entry
 def write_custom_rows(
-    memory: Floats, base: BaseActuation, h: float, step: float, custom: CustomRows, rows: TaskRows, program: Program
+    memory: Floats,
+    base: BaseActuation,
+    h: float,
+    horizon: float,
+    step: float,
+    custom: CustomRows,
+    rows: TaskRows,
+    program: Program,
 ) -> int:
     """Write the rows of all functions; return the number of the first that is not finite, or −1."""
     w = open_work(unowned(memory), zeros(1))
     base_response(w, base)
     size, smallest = program.f.size, math.inf
+    T = max(h, horizon)
+    r = max(h, 0.25 * T)
     for c in range(custom.row.size):
         first, last, at = custom.first[c], custom.first[c + 1], custom.row[c]
         square = 0.0
@@ -81,7 +90,7 @@ def write_custom_rows(
                 rows.error[row] = y
             else:
                 a = custom.gain[c, 0]
-                least = min((-ceiling(y + 0.5 * h * rate, a, h) - rate) / h, a)
+                least = min((-ceiling(y + 0.5 * h * rate, a, T) - rate) / r, a)
                 program.lower[size + row] = least - write_row(w, base, custom, i, program.C, row)
                 smallest = min(smallest, y)
     custom.smallest[0] = smallest
