@@ -53,7 +53,7 @@ def main() -> None:
     command = controller.update(4.0, run.q[-1], run.v[-1])
     print(f"the hand was asked to move by {np.round(there.translation - here.translation, 3)} m")
     print(f"and moved by {np.round(places[-1] - here.translation, 3)} m")
-    print(f"closest to the plane: {1e3 * (plane.place[0] - places[:, 0]).min():.3f} mm")
+    print(f"closest to the plane: {round(1e3 * (plane.place[0] - places[:, 0]).min(), 3) + 0.0} mm")
     print(f"status {command.status}, active limits: {', '.join(command.active_limits)}")
 
 
