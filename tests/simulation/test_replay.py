@@ -1,4 +1,4 @@
-"""Torques of a controller, replayed in MuJoCo, which shares no code with Pinocchio: it moves the robot as the run did."""
+"""Logged torques, replayed in MuJoCo, which shares no code with Pinocchio: they move the robot as the run did."""
 
 import mujoco
 import numpy as np
