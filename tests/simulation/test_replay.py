@@ -42,7 +42,7 @@ def test_logged_torques_move_mujoco_s_robot_as_the_run_moved(before_contact):
     robot, run = before_contact
     assert run.time[-1] == pytest.approx(14.7)
     assert np.ptp(run.q[:, 7:], axis=0).max() > 0.5  # rad: there is a motion to compare
-    assert max(off(robot, run, replayed(robot, run))) < 1e-10
+    assert max(off(robot, run, replayed(robot, run))) < 1e-11
 
 
 def test_torques_that_are_off_by_a_millionth_move_it_elsewhere(before_contact):
