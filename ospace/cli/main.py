@@ -7,15 +7,14 @@ import importlib
 import io
 import os
 import re
-import signal
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 
 import ospace
 from ospace.cli import output
+from ospace.cli.interrupts import Interrupts
 
 EXIT_FINDINGS, EXIT_USAGE, EXIT_INTERRUPTED = 1, 2, 130
 _VERBS = ("check", "compose", "view", "run", "plot", "bench", "list")
@@ -49,13 +48,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal that lacks a letter shows another
+    interrupts = Interrupts(main.__code__)
     try:
-        with _interrupts() as (refuse_if_interrupted, clear_interrupt), warnings.catch_warnings():
+        with interrupts, warnings.catch_warnings():
             warnings.showwarning = lambda message, *where, **more: print(f"ospace: {message}", file=sys.stderr)
             given = _parsed(list(sys.argv[1:] if arguments is None else arguments))
-            given.refuse_if_interrupted, given.clear_interrupt = refuse_if_interrupted, clear_interrupt
+            given.refuse_if_interrupted, given.clear_interrupt = interrupts.refuse, interrupts.clear
             status, text = given.run(given)
-            refuse_if_interrupted()
+            interrupts.refuse()
         return int(status) if output.printed(text) else EXIT_USAGE
     except OspaceError as error:
         print(f"ospace: error: {error}", file=sys.stderr)
@@ -66,6 +66,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         print(f"ospace: error: {error}", file=sys.stderr)
         return EXIT_USAGE
+    except Exception:
+        if not interrupts.seen:
+            raise
+        print("ospace: interrupted", file=sys.stderr)  # a library made another error of it
+        return EXIT_INTERRUPTED
 
 
 def _parsed(arguments: list[str]) -> argparse.Namespace:
@@ -115,36 +120,3 @@ def package_dirs(given: argparse.Namespace) -> list[Path]:
         if not folder.is_dir():
             raise OspaceError(f"--package-dir {folder}: no such folder")
     return folders
-
-
-@contextmanager
-def _interrupts() -> Iterator[tuple[Callable[[], None], Callable[[], None]]]:
-    """Remember Ctrl-C: imports and finalizers swallow the exception, and the latter print it.
-
-    Yields what raises it again, and what forgets it, for a verb that is meant to end so.
-    """
-    seen: list[int] = []
-
-    def remember(number: int, frame: object) -> None:
-        seen.append(number)
-        raise KeyboardInterrupt
-
-    def refuse() -> None:
-        if seen:
-            raise KeyboardInterrupt
-
-    def report(ignored: sys.UnraisableHookArgs) -> None:
-        if not issubclass(ignored.exc_type, KeyboardInterrupt):
-            sys.__unraisablehook__(ignored)
-
-    try:
-        before = signal.signal(signal.SIGINT, remember)
-    except ValueError:  # not the main thread, which alone is interrupted
-        yield refuse, seen.clear
-        return
-    sys.unraisablehook, previous = report, sys.unraisablehook
-    try:
-        yield refuse, seen.clear
-    finally:
-        sys.unraisablehook = previous
-        signal.signal(signal.SIGINT, before)
