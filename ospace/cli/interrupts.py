@@ -39,7 +39,7 @@ class Interrupts:
 
     @property
     def seen(self) -> bool:
-        """Whether the user has interrupted."""
+        """Return whether the user has interrupted."""
         return self._since is not None
 
     def refuse(self) -> None:
