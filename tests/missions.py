@@ -20,14 +20,14 @@ def phase(name, *tasks, **keys):
 
 
 def toml(*phases, tasks=(), **tables):
-    """Return the TOML of a scenario; a key whose value is None is left out."""
+    """Return the TOML of a scenario; a key whose value is None is left out. An empty list of tasks is written."""
     lines = _table("", {"name": tables.get("name")})
     for name in TABLES[1:]:
         lines += _table(f"[{name}]", tables.get(name))
     for task in tasks:
         lines += _table("[[task]]", task)
     for one in phases:
-        lines += _table("[[phase]]", {key: value for key, value in one.items() if key != "task"})
+        lines += _table("[[phase]]", {key: value for key, value in one.items() if key != "task" or value == []})
         for task in one["task"]:
             lines += _table("[[phase.task]]", task)
     return "\n".join(lines) + "\n"

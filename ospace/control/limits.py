@@ -75,7 +75,13 @@ class JointLimits:
 
     @classmethod
     def of(
-        cls, robot: SpaceRobot, *, acceleration: float | Mapping[str, float] = math.inf, share: float = 1.0
+        cls,
+        robot: SpaceRobot,
+        *,
+        acceleration: float | Mapping[str, float] = math.inf,
+        share: float = 1.0,
+        torque_share: float | None = None,
+        velocity_share: float | None = None,
     ) -> JointLimits:
         """Take the limits of the robot's model.
 
@@ -88,6 +94,8 @@ class JointLimits:
             URDF has none; rad/s², or m/s². A joint with several rates takes the number for each.
         share : float
             Of the torques and velocities that the model allows.
+        torque_share, velocity_share : float, optional
+            Of the torques, and of the velocities, alone; `share` without it.
 
         Returns
         -------
@@ -105,14 +113,18 @@ class JointLimits:
                 most[robot.rates_of(name)] = _bound(value, f"acceleration limit of joint '{name}'")
         else:
             most[:] = _bound(acceleration, "acceleration limit")
-        share = checked_number(share, "share of the limits")
+        shares = [
+            checked_number(share if own is None else own, f"{of}share of the limits")
+            for of, own in (("torque ", torque_share), ("velocity ", velocity_share))
+        ]
         lower, upper = np.full(n, -math.inf), np.full(n, math.inf)
         for j in range(2, model.njoints):
             if model.nqs[j] == model.nvs[j]:
                 rates = slice(model.idx_vs[j] - 6, model.idx_vs[j] + model.nvs[j] - 6)
                 positions = slice(model.idx_qs[j], model.idx_qs[j] + model.nqs[j])
                 lower[rates], upper[rates] = model.lowerPositionLimit[positions], model.upperPositionLimit[positions]
-        torque, velocity = (_open(given[6:]) * share for given in (model.effortLimit, model.velocityLimit))
+        given = model.effortLimit, model.velocityLimit
+        torque, velocity = (_open(one[6:]) * of for one, of in zip(given, shares, strict=True))
         velocity[(torque == 0.0) & (velocity == 0.0)] = math.inf
         return cls(torque, _open(lower), _open(upper), velocity, most)
 

@@ -80,7 +80,7 @@ def rehearse(scenario: Scenario, progress: Callable[[float], None] | None = None
 
 def _coarse(scenario: Scenario) -> int:
     """Return how many control periods a coarse cycle has."""
-    stiffest = max(task.stiffness for plan in scenario.phases for task in plan.tasks)
+    stiffest = max((task.stiffness for plan in scenario.phases for task in plan.tasks), default=0.0)
     rates = [math.sqrt(stiffest)] + [
         float(np.abs(state.v[3:]).max()) for state in (scenario.start, scenario.target) if state is not None
     ]

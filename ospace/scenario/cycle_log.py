@@ -9,13 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from ospace.control import Command, Controller, Task
+from ospace.control import Command, Task
 from ospace.control.shortfall import Shortfall
 from ospace.kernels.tasks import tables as kernel
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint
+from ospace.model.robot import SpaceRobot
 from ospace.scenario.result import BASE, TaskErrors
 
+COASTING = "coasting"
+"""Status of cycles in which nothing acts."""
 _AT_ONCE = 256
 """Cycles whose Jacobians and configurations wait for singular values and poses: many at once take a third of the time,
 and those of a long run would not fit into memory."""
@@ -29,7 +32,7 @@ class _Cycle:
 
 
 class CycleLog:
-    """Records the commands of a controller.
+    """Records the commands of the tasks' controller, or that nothing acts.
 
     Attributes
     ----------
@@ -37,18 +40,18 @@ class CycleLog:
         Cycles by status, by limit, by task, and by why which task fell short.
     """
 
-    def __init__(self, controller: Controller) -> None:
-        self.controller = controller
+    def __init__(self, robot: SpaceRobot, tasks: Sequence[Task]) -> None:
+        self.robot, self.tasks = robot, tasks
         self.statuses: Counter[str] = Counter()
         self.active_limits: Counter[str] = Counter()
         self.near_singularity: Counter[str] = Counter()
         self.shortfalls: Counter[str] = Counter()
         self._worst: dict[str, Shortfall] = {}
-        self._rows = {task.name: task.rows(controller.robot) for task in controller.tasks}
-        self._about_points = [task for task in controller.tasks if task.geometric]
+        self._rows = {task.name: task.rows(robot) for task in tasks}
+        self._about_points = [task for task in tasks if task.geometric]
         self._points = _points(self._about_points)
         self._tracked = {name: point for name, point in self._points.items() if name != BASE}
-        self._data = controller.robot.model.createData()
+        self._data = robot.model.createData()
         self._cycles: list[_Cycle] = []
         self._waiting: list[tuple[Floats, Floats]] = []
         self._singular: dict[str, list[Floats]] = {task.name: [] for task in self._about_points}
@@ -74,6 +77,11 @@ class CycleLog:
         # one call that Ctrl-C cannot divide: a cycle counts when it is whole
         self._cycles.append(_Cycle(time, np.concatenate(tuple(command.errors.values())), command.timing.total))
 
+    def coast(self, time: float) -> None:
+        """Record a cycle in which nothing acts, at `time` (s)."""
+        self.statuses[COASTING] += 1
+        self._cycles.append(_Cycle(time, np.zeros(0), 0.0))
+
     @property
     def most_short(self) -> dict[str, str]:
         """By how much a task fell short at most, by why."""
@@ -93,7 +101,7 @@ class CycleLog:
     def errors(self) -> dict[str, TaskErrors]:
         """Of each task that has one: those that damp, and bare rows, have none."""
         E, found, column = np.array([cycle.errors for cycle in self._cycles]), {}, 0
-        for task in self.controller.tasks:
+        for task in self.tasks:
             rows = np.array(self._rows[task.name])
             own = E[:, column : column + len(rows)]
             column += len(rows)
@@ -132,7 +140,7 @@ class CycleLog:
                 smallest[:] = np.linalg.svd(J[:, first : first + rows], compute_uv=False)[:, -1]
             self._singular[task.name].append(smallest)
             first += rows
-        found = poses(self.controller.robot.model, self._data, self._tracked, [q for _, q in self._waiting])
+        found = poses(self.robot.model, self._data, self._tracked, [q for _, q in self._waiting])
         for name, values in found.items():
             self._poses[name].append(values)
         self._waiting.clear()

@@ -60,14 +60,15 @@ def rehearse(scenario: Scenario, problems: list[Problem], *, target_known: bool)
             limits = scenario.limits.of(robot, scenario.robot)
             tasks = [task.task(robot) for task in phase.tasks]
             inequalities = [one.make(robot) for one in phase.inequalities]
-            Controller(
-                robot,
-                tasks,
-                base=scenario.base,
-                limits=limits,
-                inequalities=inequalities,
-                **scenario.control.settings,
-            )
+            if tasks:
+                Controller(
+                    robot,
+                    tasks,
+                    base=scenario.base,
+                    limits=limits,
+                    inequalities=inequalities,
+                    **scenario.control.settings,
+                )
         except OspaceError as error:
             problems.append((phase.key, str(error)))
     if problems:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from ospace.control import Command, Controller, Function
+from ospace.control import Controller, Function, Task
 from ospace.control.references import Reference
 from ospace.kernels.tree import Floats
 from ospace.model.layout import Layout
@@ -22,7 +22,7 @@ from ospace.scenario.goals import Start
 from ospace.scenario.motion import FreeMotion
 from ospace.scenario.result import Contact, Outcome, PhaseResult, Run, Segment, worst
 from ospace.scenario.schema import Follow, GraspTable, PhaseTable, Scenario
-from ospace.simulation import Certificate, Conserved, Grasp, Trajectory, grasp, simulate
+from ospace.simulation import Actuation, Certificate, CommandLike, Conserved, Grasp, Trajectory, grasp, simulate
 from ospace.simulation.certificate import relative
 from ospace.simulation.errors import SimulationError
 from ospace.simulation.moving_frame import MovingFrame
@@ -82,39 +82,56 @@ class _Phase:
             if isinstance(reference, Function):
                 self._ways.append(reference.motion)
             tasks.append(one.task(start.robot, reference))
-        self.controller = Controller(
-            start.robot,
-            tasks,
-            base=scenario.base,
-            limits=scenario.limits.of(start.robot, scenario.robot),
-            inequalities=[one.make(start.robot) for one in plan.inequalities],
-            **scenario.control.settings,
-        )
-        self.controller.warm_up()
+        self.controller = self._controller(tasks, scenario, start.robot) if tasks else None
         self._awaited = [task.name for task in tasks if task.completion is not None]
         self._earliest = plan.earliest
-        self.cycles = CycleLog(self.controller)
+        self._nothing = Actuation(np.zeros(start.robot.n_joints))
+        self.cycles = CycleLog(start.robot, tasks)
         self.outcome: Outcome | None = None
 
-    def update(self, cycle: int, time: float, q: Floats, v: Floats) -> Command:
-        for way in self._ways:
-            way(time)  # where a target moves to is computed ahead, and no part of the control cycle
-        command = self.controller.update(time, q, v)
-        self.cycles.record(time, q, command)
+    def _controller(self, tasks: list[Task], scenario: Scenario, robot: SpaceRobot) -> Controller:
+        controller = Controller(
+            robot,
+            tasks,
+            base=scenario.base,
+            limits=scenario.limits.of(robot, scenario.robot),
+            inequalities=[one.make(robot) for one in self.plan.inequalities],
+            **scenario.control.settings,
+        )
+        controller.warm_up()
+        return controller
+
+    def update(self, cycle: int, time: float, q: Floats, v: Floats) -> CommandLike:
+        command = self._command(time, q, v)
         elapsed = (cycle + 1 - self.first) * self.period  # when this command has acted
-        if elapsed >= self._earliest - _ROUNDING and all(self.controller.completed(one) for one in self._awaited):
+        if elapsed >= self._earliest - _ROUNDING and not self._open():
             self.outcome = "complete"
         elif elapsed >= self.plan.timeout - _ROUNDING:
             self.outcome = "timed out"
         return command
+
+    def _command(self, time: float, q: Floats, v: Floats) -> CommandLike:
+        if self.controller is None:
+            self.cycles.coast(time)
+            return self._nothing
+        for way in self._ways:
+            way(time)  # where a target moves to is computed ahead, and no part of the control cycle
+        command = self.controller.update(time, q, v)
+        self.cycles.record(time, q, command)
+        return command
+
+    def _open(self) -> list[str]:
+        """Return the tasks that are still to be completed."""
+        controller = self.controller
+        return [] if controller is None else [one for one in self._awaited if not controller.completed(one)]
 
     def result(self, segment: int, end: float) -> PhaseResult:
         """Return its outcome so far."""
         outcome = self.outcome or "interrupted"
         reason = ""
         if outcome == "timed out":
-            open_ = [one for one in self._awaited if not self.controller.completed(one)]
-            reason = f"not complete after {self.plan.timeout:g} s: {', '.join(open_) or 'its motions take longer'}"
+            open_ = ", ".join(self._open()) or "its motions take longer"
+            reason = f"not complete after {self.plan.timeout:g} s: {open_}"
         cycles = self.cycles
         return PhaseResult(
             name=self.plan.name,
@@ -302,18 +319,20 @@ class _PhaseSequencer:
         self.phases: list[_Phase] = []
         self._over = False
 
-    def update(self, time: float, q: Floats, v: Floats) -> Command:
+    def update(self, time: float, q: Floats, v: Floats) -> CommandLike:
         if not self.phases or self.phases[-1].outcome == "complete":
             runner = self._runner
             start = Start(self._robot, q, v, self._cycle, runner.period, runner.target)
             phase = _Phase(self._plans[len(self.phases)], runner.scenario, start, runner.shared)
-            phase.controller.wheel_momentum = self._wheels
+            if phase.controller is not None:
+                phase.controller.wheel_momentum = self._wheels
             self.phases.append(phase)
         if self._runner.watch is not None:
             self._runner.watch(time, lambda: self._runner.states(self._cycle, q, v))
         phase = self.phases[-1]
         command = phase.update(self._cycle, time, q, v)
-        self._wheels = phase.controller.wheel_momentum
+        if phase.controller is not None:
+            self._wheels = phase.controller.wheel_momentum
         self._cycle += 1
         self._over = phase.outcome == "timed out" or (
             phase.outcome == "complete" and len(self.phases) == len(self._plans)

@@ -463,3 +463,18 @@ def test_one_number_for_a_joint_with_several_rates_is_refused(load, tmp_path, ke
     with pytest.raises(ospace.ScenarioError, match="joint 'table' has 3 degrees of freedom") as error:
         load(GANTRY.replace("joint_rates = {", f"{key} = {{ table = 1.0,"))
     assert [name for name, _ in error.value.problems] == [f"robot.{key}.table"]
+
+
+def test_torque_and_velocity_may_have_shares_of_their_own(load):
+    whole = load(GOOD.replace("share = 0.5", "")).limits
+    either = load(GOOD.replace("share = 0.5", "share = 0.5\ntorque_share = 0.2")).limits
+    both = load(GOOD.replace("share = 0.5", "torque_share = 0.2\nvelocity_share = 0.3")).limits
+    robot = ospace.SpaceRobot.from_urdf(ospace.models.path("ets_vii"))
+    full = whole.of(robot, robot)
+    for made, torque, velocity in ((either, 0.2, 0.5), (both, 0.2, 0.3)):
+        limits = made.of(robot, robot)
+        np.testing.assert_allclose(limits.torque, torque * full.torque)
+        np.testing.assert_allclose(limits.velocity, velocity * full.velocity)
+    text = GOOD.replace("share = 0.5", "share = 0.5\ntorque_share = 0.2\nvelocity_share = 1")
+    with pytest.raises(ospace.ScenarioError, match=r"limits\.share: torque_share and velocity_share leave it nothing"):
+        load(text)

@@ -21,6 +21,7 @@ from ospace.scenario.units import Quantity
 from ospace.simulation.integrators import INTEGRATORS
 
 _WHOLE = 1e-9
+Share = Annotated[float, Quantity("number", above=0.0, most=1.0)]
 Setting = Annotated[float, Quantity("number", above=0.0)]
 
 
@@ -39,9 +40,9 @@ def _installed(solver: str) -> str:
 class LimitsTable(Table):
     """Limits of the joints, taken from the model."""
 
-    share: Annotated[float, Quantity("number", above=0.0, most=1.0)] = Field(
-        1.0, description="Of the model's torque and velocity limits"
-    )
+    share: Share = Field(1.0, description="Of the model's torque and velocity limits")
+    torque_share: Share | None = Field(None, description="Of the model's torque limits alone; share if left out")
+    velocity_share: Share | None = Field(None, description="Of the model's velocity limits alone; share if left out")
     acceleration: Annotated[
         float | dict[str, Any] | None,
         Either(
@@ -53,6 +54,11 @@ class LimitsTable(Table):
         ),
     ] = Field(None, description="Of all joints, or by joint name; sliding joints take the same number in m/s^2")
 
+    def mistakes(self) -> Iterable[Problem]:
+        """Return whether the share of both has nothing left to be of."""
+        if {"share", "torque_share", "velocity_share"} <= self.model_fields_set:
+            yield self.path("share"), "torque_share and velocity_share leave it nothing: leave one of the three out"
+
     def accelerations(self, robot: SpaceRobot) -> tuple[dict[str, float], list[Problem]]:
         """Return the limits of acceleration by joint, SI units, and what is wrong with others."""
         if isinstance(self.acceleration, dict):
@@ -61,7 +67,13 @@ class LimitsTable(Table):
 
     def of(self, robot: SpaceRobot, actuated: SpaceRobot) -> JointLimits:
         """Return the limits of `robot`, of whose joints those of `actuated` have drives."""
-        limits = JointLimits.of(robot, acceleration=self.accelerations(actuated)[0], share=self.share)
+        limits = JointLimits.of(
+            robot,
+            acceleration=self.accelerations(actuated)[0],
+            share=self.share,
+            torque_share=self.torque_share,
+            velocity_share=self.velocity_share,
+        )
         idle = np.array([name not in actuated.rate_names for name in robot.rate_names], dtype=bool)
         if not idle.any():
             return limits

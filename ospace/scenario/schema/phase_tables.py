@@ -28,14 +28,19 @@ class GraspTable(Table):
 
 
 class PhaseTable(Table):
-    """A phase: it ends when all completion tests hold, its motions are done and `duration` is over; or at `timeout`."""
+    """A phase: it ends when all completion tests hold, its motions are done and `duration` is over; or at `timeout`.
+
+    Without a task it coasts: nothing acts.
+    """
 
     name: Text = Field(description="A name of its own")
     timeout: Annotated[float, Quantity("time", above=0.0)] = Field(
         description="Longest time; the run then ends as failed"
     )
     duration: Time = Field(0.0, description="Shortest time; required where no task has a completion test")
-    task: Annotated[list[AnyTask], Array] = Field([], description="Tasks of this phase")
+    task: Annotated[list[AnyTask], Array] = Field(
+        [], description="Tasks of this phase; an empty list takes none of all phases either, and it coasts"
+    )
     inequality: Annotated[list[AnyInequality], Array] = Field([], description="Inequalities of this phase")
     grasp: GraspTable | None = Field(None, description="At the end, the target is grasped")
     release: Flag = Field(False, description="At the end, the target is let go")
@@ -44,7 +49,9 @@ class PhaseTable(Table):
 
     @property
     def tasks(self) -> list[TaskTable]:
-        """Its own tasks, and those of all phases that it does not replace."""
+        """Its own tasks, and those of all phases that it does not replace; none where its list of tasks is empty."""
+        if "task" in self.model_fields_set and not self.task:
+            return []
         names = [task.name for task in self.task]
         return [*self.task, *(task for task in self._shared if task.name not in names)]
 
@@ -80,8 +87,8 @@ class PhaseTable(Table):
         yield from same_names("inequality", self.inequality)
         tasks, given = self.tasks, {name for name, _ in self._noted}
         if not tasks and "task" not in given:
-            what = "a phase needs at least one task, [[phase.task]], or one of all phases, [[task]]"
-            yield self.path("task"), what
+            for one in self.inequalities:
+                yield one.key, f"phase '{self.name}' has no task: it coasts, and nothing keeps '{one.name}'"
         for task in tasks:
             motion = self.motion(task)
             if motion + task.hold > self.timeout:
