@@ -8,15 +8,14 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from ospace.cli import output
-from ospace.cli.console import buffered_console, buffered_text, plain
+from ospace.cli.columns import Column, fit
+from ospace.cli.console import buffered_console, buffered_text, plain, show_table, show_text
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from ospace.benchmark.report import Benchmark
     from ospace.benchmark.timing import Ratio
-
-_WIDTH = 120
 
 
 def add_to(verbs: Any) -> None:
@@ -117,48 +116,61 @@ def _document(result: Benchmark) -> str:
 
 
 def _text(result: Benchmark) -> str:
-    console = buffered_console(_WIDTH)
+    console = buffered_console()
     _show(console, result)
     return buffered_text(console)
 
 
 def _show(console: Console, result: Benchmark) -> None:
     machine = dict(result.machine)
-    console.print(f"[bold]{plain(result.robot)}[/], {result.degrees_of_freedom} degrees of freedom")
-    console.print(f"{machine.pop('processor')}, {machine.pop('processors')} processors, {machine.pop('lanes')} lanes")
-    console.print(", ".join(f"{name} {version}" for name, version in machine.items()))
-    console.print(
-        f"median and quartiles of {result.windows} windows that take turns, over {result.states} states; "
-        "times from Python, all included\n"
+    show_text(console, f"[bold]{plain(result.robot)}[/], {result.degrees_of_freedom} degrees of freedom")
+    show_text(
+        console, plain(f"{machine.pop('processor')}, {machine.pop('processors')} processors, {machine.pop('lanes')} lanes")
     )
-    one = _table("one state", "points", "Pinocchio's way")
-    for row in result.rows:
-        one.add_row(row.quantity, str(row.points), row.called, *_times(row.times))
-    many = _table("Γ_e⁻¹ of many states, times of one", "points", "states", "threads")
-    for each in result.batch:
-        many.add_row(each.output, str(each.points), str(each.states), str(each.threads), *_times(each.times))
-    console.print(one)
-    console.print(many)
-    grown = _plain_table("Γ_e⁻¹ and μ_e of two points, µs", *map(str, result.growth[0].sizes), "slope")
+    show_text(console, plain(", ".join(f"{name} {version}" for name, version in machine.items())))
+    show_text(
+        console,
+        f"median and quartiles of {result.windows} windows that take turns, over {result.states} states; "
+        "times from Python, all included\n",
+    )
+    _show_one_state(console, result)
+    console.print()
+    many = [
+        (each.output, str(each.points), str(each.states), str(each.threads), *_times(each.times))
+        for each in result.batch
+    ]
+    show_text(console, "[bold]Γ_e⁻¹ of many states, times of one, µs[/]")
+    show_table(console, _columns("output", "points", "states", "threads"), many, "  ")
+    console.print()
+    grown = []
     for growth in result.growth:
-        grown.add_row(growth.shape, *(f"{time:.1f}" for time in growth.ours), f"{growth.slope:.2f}")
+        grown.append((growth.shape, *(f"{time:.1f}" for time in growth.ours), f"{growth.slope:.2f}"))
         dense = ("-" if time is None else f"{time:.1f}" for time in growth.dense)
-        grown.add_row(f"{growth.shape}, pin.crba and Cholesky alone", *dense, f"{growth.dense_slope:.2f}")
-    console.print(grown)
+        grown.append((f"{growth.shape}, dense", *dense, f"{growth.dense_slope:.2f}"))
+    show_text(console, "[bold]Γ_e⁻¹ and μ_e of two points, µs; dense: pin.crba and Cholesky alone[/]")
+    sizes = ("degrees of freedom", *map(str, result.growth[0].sizes), "slope")
+    show_table(console, [Column(name, right=k > 0) for k, name in enumerate(sizes)], grown, "  ")
 
 
-def _table(*headings: str) -> Any:
-    return _plain_table(*headings, "ospace µs", "Pinocchio µs", "ratio", "quartiles")
+def _show_one_state(console: Console, result: Benchmark) -> None:
+    """Show each quantity, below the way of Pinocchio that it is timed beside."""
+    rows = [(row.quantity, str(row.points), *_times(row.times)) for row in result.rows]
+    table = fit(_columns("quantity", "points"), rows, console.width, "  ")
+    show_text(console, "[bold]times of one state, µs, beside Pinocchio's way[/]")
+    for line in table.heading:
+        console.print(line)
+    before = ""
+    for row, lines in zip(result.rows, table.rows, strict=True):
+        if row.called != before:
+            before = row.called
+            show_text(console, plain(before))
+        for line in lines:
+            console.print(line)
 
 
-def _plain_table(*headings: str) -> Any:
-    from rich.table import Table
-
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for k, heading in enumerate(headings):
-        numbers = k > 0 and heading != "Pinocchio's way"
-        table.add_column(heading, justify="right" if numbers else "left", no_wrap=numbers, overflow="fold")
-    return table
+def _columns(*headings: str) -> list[Column]:
+    numbers = (*headings[1:], "ospace", "Pinocchio", "ratio", "quartiles")
+    return [Column(headings[0]), *(Column(name, right=True) for name in numbers)]
 
 
 def _times(times: Ratio) -> tuple[str, ...]:

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ospace.cli import output
-from ospace.cli.console import buffered_console, buffered_text, plain, show_findings
+from ospace.cli.columns import Column, fit
+from ospace.cli.console import buffered_console, buffered_text, plain, show_findings, show_table, show_text
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from ospace.validation.agreement import Agreement
     from ospace.validation.report import Report
 
-_PIPE_WIDTH = 200
 _MOST_POINTS = 50  # unless points are given: their matrices grow with the square of their number
 _COLOURS = {
     "agrees": "green",
@@ -233,18 +233,27 @@ def _limits(given: argparse.Namespace) -> Limits:
 
 
 def _text(result: Report, urdf: str) -> str:
-    console = buffered_console(_PIPE_WIDTH, fits_terminal=True)
+    console = buffered_console()
     _show(console, result, urdf)
     return buffered_text(console)
+
+
+_FACT = (Column(), Column(wraps=True))
+_AGREEMENT = (
+    Column(f"{'computed by':29}"),
+    Column("error", right=True),
+    Column("  bound", right=True),
+    Column("verdict", wraps=True),
+)
 
 
 def _show(console: Console, result: Report, urdf: str) -> None:
     from ospace.validation import report_text
 
     if result.model is not None:
-        console.print(f"[bold]{plain(result.model.name)}[/]")
-        for name, value in report_text.facts(result.model):
-            console.print(f"  {name:23} {plain(value)}")
+        show_text(console, f"[bold]{plain(result.model.name)}[/]")
+        facts = [(f"{name:22}", plain(value)) for name, value in report_text.facts(result.model)]
+        show_table(console, _FACT, facts, "  ")
     if result.findings:
         if result.model is not None:
             console.print()
@@ -252,25 +261,35 @@ def _show(console: Console, result: Report, urdf: str) -> None:
     if result.agreement:
         console.print()
         _show_agreement(console, result)
-        console.print(f"\n{report_text.agreement(result)}")
+        console.print()
+        show_text(console, report_text.agreement(result))
     console.print(f"[{_COLOURS[result.verdict]}]{result.verdict}[/]: {plain(urdf)}: {report_text.summary(result)}")
 
 
 def _show_agreement(console: Console, result: Report) -> None:
     """Show each quantity, with what it is checked against, and below it a row for each of its ways in."""
-    from itertools import groupby
-
     from ospace.validation import report_text
 
-    console.print("quantity (equations): checked against", style="bold")
-    console.print(f"  {'computed by':29}  {'error':>7}  {'bound':>7}  verdict", style="bold")
-    for heading, rows in groupby(result.agreement, _quantity):
-        console.print(plain(heading))
-        for row in rows:
-            numbers = f"{report_text.error(row.error):>7}  {report_text.error(row.bound):>7}"
-            console.print(
-                f"  {plain(row.computed_by):29}  {numbers}  [{_COLOURS[row.verdict]}]{report_text.verdict(row)}[/]"
-            )
+    rows = [
+        (
+            plain(row.computed_by),
+            f"{report_text.error(row.error):>7}",
+            f"{report_text.error(row.bound):>7}",
+            f"[{_COLOURS[row.verdict]}]{report_text.verdict(row)}[/]",
+        )
+        for row in result.agreement
+    ]
+    table = fit(_AGREEMENT, rows, console.width, "  ")
+    show_text(console, "[bold]quantity (equations): checked against[/]", then="    ")
+    for line in table.heading:
+        console.print(line)
+    before = ""
+    for row, lines in zip(result.agreement, table.rows, strict=True):
+        if _quantity(row) != before:
+            before = _quantity(row)
+            show_text(console, plain(before), then="    ")
+        for line in lines:
+            console.print(line)
 
 
 def _quantity(row: Agreement) -> str:

@@ -9,14 +9,13 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ospace.cli import output
-from ospace.cli.console import buffered_console, buffered_text, plain, show_findings
+from ospace.cli.columns import Column, fit
+from ospace.cli.console import buffered_console, buffered_text, plain, show_findings, show_text
 
 if TYPE_CHECKING:
     from ospace.urdf.composition.parts import Composition, Part, PlacedPart
 
 _WIDTH = 80
-_PIPE_WIDTH = 200
-_NAME = 42  # characters of a part's source in the table
 _USAGE = """ospace compose BUS ARM [--at X,Y,Z] [--rpy R,P,Y] [--on LINK]
                       [--prefix WORD] [--remove LINK]... [NAME:=VALUE]...
                       [ARM ...] [--payload LINK BODY]...
@@ -224,16 +223,21 @@ def _check_row(given: argparse.Namespace, row: _Row, *, is_bus: bool) -> None:
 def _text(robot: Composition, out: str) -> str:
     from ospace.validation.report_text import number, position
 
-    console = buffered_console(_PIPE_WIDTH, fits_terminal=True)
-    console.print(f"{'part':{_NAME}}  {'links':>6}  {'joints':>6}  {'mass kg':>10}", style="bold")
-    for part in robot.parts:
-        console.print(plain(_row(_short(part.source), len(part.links), part.moving, part.mass)))
-        for line in _placing(part):
-            for piece in textwrap.wrap(line, _WIDTH, initial_indent="  ", subsequent_indent="    "):
-                console.print(plain(piece))
+    console = buffered_console()
     links, moving = sum(len(part.links) for part in robot.parts), sum(part.moving for part in robot.parts)
-    console.print(_row("together", links, moving, robot.total_mass), style="bold")
-    console.print(f"centre of mass {position(robot.mass_centre.tolist())} m from '{plain(robot.base)}', joints at zero")
+    rows = [_row(part.source, len(part.links), part.moving, part.mass) for part in robot.parts]
+    table = fit(_PART, [*rows, _row("together", links, moving, robot.total_mass)], console.width)
+    for line in table.heading:
+        console.print(line)
+    for part, lines in zip(robot.parts, table.rows, strict=False):
+        for line in lines:
+            console.print(line)
+        for text in _placing(part):
+            show_text(console, plain(text), "  ", "    ")
+    for line in table.rows[-1]:
+        console.print(line, style="bold")
+    centre = position(robot.mass_centre.tolist())
+    show_text(console, f"centre of mass {centre} m from '{plain(robot.base)}', joints at zero")
     for about in (*robot.parts, None):
         findings = [finding for finding in robot.findings if robot.part_of(finding) is about]
         if findings:
@@ -244,12 +248,11 @@ def _text(robot: Composition, out: str) -> str:
     return buffered_text(console)
 
 
-def _row(name: str, links: int, moving: int, mass: float) -> str:
-    return f"{name:{_NAME}}  {links:6}  {moving:6}  {mass:10.6g}"
+_PART = (Column("part"), Column("links", True), Column("joints", True), Column("mass kg", True))
 
 
-def _short(name: str) -> str:
-    return name if len(name) <= _NAME else f"{name[: _NAME - 1]}…"
+def _row(name: str, links: int, moving: int, mass: float) -> tuple[str, str, str, str]:
+    return plain(name), str(links), str(moving), f"{mass:.6g}"
 
 
 def _placing(part: PlacedPart) -> Iterator[str]:

@@ -6,13 +6,13 @@ import json
 import math
 from typing import TYPE_CHECKING, Any
 
-from ospace.exceptions import printable
+from ospace.cli.columns import Column, fit
+from ospace.cli.console import buffered_console, buffered_text, plain, show_text
 
 if TYPE_CHECKING:
     from ospace.urdf.description import Joint, Link
     from ospace.urdf.reader import Reading
 
-_NAME = 29  # characters of a joint's name in its row
 _LIMITS = ("lower", "upper", "velocity", "effort")
 
 
@@ -39,33 +39,34 @@ def table(reading: Reading, file: str) -> str:
     from ospace.validation.report_text import number
 
     robot = reading.description
-    lines = [
-        "link (mass kg)",
-        f"  {'joint':{_NAME}}  {'type':10}  {'lower':>7}  {'upper':>7}  {'rate':>6}  {'effort':>6}",
-        f"{robot.root} ({_mass(robot.link[robot.root]):g}), the base",
-    ]
-    for joint in robot.joints:
-        lines.append(f"{joint.child} ({_mass(robot.link[joint.child]):g}) on {joint.parent}")
-        lines += _row(joint)
+    console = buffered_console()
+    joints = fit(_JOINT, [_row(joint) for joint in robot.joints], console.width, "  ")
+    show_text(console, "link (mass kg)")
+    for line in joints.heading:
+        console.print(line)
+    show_text(console, plain(f"{robot.root} ({_mass(robot.link[robot.root]):g}), the base"))
+    for joint, lines in zip(robot.joints, joints.rows, strict=True):
+        show_text(console, plain(f"{joint.child} ({_mass(robot.link[joint.child]):g}) on {joint.parent}"))
+        for line in lines:
+            console.print(line)
+        if (mimic := joint.mimic) is not None:
+            text = f"mimics {mimic.joint}: {mimic.multiplier:g} times its position, plus {mimic.offset:g}"
+            show_text(console, plain(text), "    ", "      ")
     counts = [sum(one.severity == level for one in reading.findings) for level in ("error", "warning")]
     verdict = f"{number(counts[0], 'error')}, {number(counts[1], 'warning')}"
     counted = f"{number(len(robot.links), 'link')}, {number(len(robot.joints), 'joint')}"
-    lines.append(f"{counted}; limits in rad or m, rad/s or m/s, N m or N")
-    lines.append(f"{'unsound' if reading.model is None else 'read'}: {file}: {verdict}")
-    return "".join(f"{printable(line)}\n" for line in lines)
+    show_text(console, f"{counted}; limits in rad or m, rad/s or m/s, N m or N")
+    console.print(plain(f"{'unsound' if reading.model is None else 'read'}: {file}: {verdict}"))
+    return buffered_text(console)
 
 
-def _row(joint: Joint) -> list[str]:
-    numbers = f"{joint.kind:10}"
-    if joint.kind not in ("fixed", "floating", "planar"):
-        lower, upper, rate, effort = (_number(value) for value in _limits(joint).values())
-        numbers += f"  {lower:>7}  {upper:>7}  {rate:>6}  {effort:>6}"
-    long = len(joint.name) > _NAME
-    rows = [f"  {joint.name}", f"  {'':{_NAME}}  {numbers}"] if long else [f"  {joint.name:{_NAME}}  {numbers}"]
-    mimic = joint.mimic
-    if mimic is not None:
-        rows.append(f"    mimics {mimic.joint}: {mimic.multiplier:g} times its position, plus {mimic.offset:g}")
-    return [row.rstrip() for row in rows]
+_JOINT = (Column("joint"), Column("type"), *(Column(name, right=True) for name in ("lower", "upper", "rate", "effort")))
+
+
+def _row(joint: Joint) -> tuple[str, ...]:
+    limited = joint.kind not in ("fixed", "floating", "planar")
+    numbers = [_number(value) if limited else "" for value in _limits(joint).values()]
+    return plain(joint.name), joint.kind, *numbers
 
 
 def _number(value: float | None) -> str:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import argparse
 import json
-import textwrap
 from typing import Any
 
-from ospace.exceptions import printable
+from ospace.cli.columns import Column
+from ospace.cli.console import buffered_console, buffered_text, plain, show_table
 
 _KINDS = ("robots", "scenarios", "findings")
-_WIDTH = 80
 
 
 def add_to(verbs: Any) -> None:
@@ -52,9 +51,7 @@ def _entries(kind: str) -> dict[str, str]:
 
 
 def _table(entries: dict[str, str]) -> str:
-    """Return a line for each, cut short where it is too long for a terminal."""
-    indent = 2 + max(map(len, entries))
-    return "".join(
-        f"{name:{indent}}{textwrap.shorten(printable(what), _WIDTH - indent, placeholder=' …')}\n"
-        for name, what in entries.items()
-    )
+    """Return a name for each, and beside it what it is."""
+    console = buffered_console()
+    show_table(console, (Column(), Column(wraps=True)), [(plain(name), plain(what)) for name, what in entries.items()])
+    return buffered_text(console)

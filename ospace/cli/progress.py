@@ -1,4 +1,4 @@
-"""The progress bar of all verbs: on a terminal, on standard error."""
+"""The progress bar of all verbs: on a terminal, on standard error; with ``NO_COLOR`` there is none."""
 
 from __future__ import annotations
 
@@ -19,11 +19,13 @@ def bar(given: argparse.Namespace, what: str, total: int) -> Iterator[Callable[[
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+    from ospace.cli.console import no_colour
     from ospace.kernels.jit import cache
 
     console = Console(stderr=True)
+    drawn = console.is_terminal and not no_colour()  # a bar is made of escapes
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as shown:
+    with Progress(*columns, console=console, transient=True, disable=not drawn) as shown:
         task = shown.add_task(what, total=total)
         said = False
 
@@ -31,7 +33,7 @@ def bar(given: argparse.Namespace, what: str, total: int) -> Iterator[Callable[[
             nonlocal said
             which = f"compiling {number} of {of} kernels, once for this machine" if of > 1 else _COMPILING
             shown.update(task, description=which if of else what, refresh=True)
-            if of and not said and not console.is_terminal:
+            if of and not said and not drawn:
                 print(f"ospace: {_COMPILING}", file=sys.stderr)
                 said = True
 

@@ -12,15 +12,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ospace.cli import output
-from ospace.cli.console import buffered_console, buffered_text, plain
+from ospace.cli.columns import Column, fit
+from ospace.cli.console import buffered_console, buffered_text, plain, show_table, show_text
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from ospace.scenario import Run, Scenario
+    from ospace.scenario.result import PhaseResult
     from ospace.visual.live import Live
 
-_WIDTH = 120
 _COLOURS = {"complete": "green", "interrupted": "yellow"}
 _TICK = 0.05
 """Simulated time from one move of the progress bar to the next, s."""
@@ -204,7 +205,7 @@ def _valid(scenario: Scenario, name: str, not_rehearsed: str) -> str:
 
 
 def _text(result: Run, name: str) -> str:
-    console = buffered_console(_WIDTH, fits_terminal=True)
+    console = buffered_console()
     _show(console, result, name)
     return buffered_text(console)
 
@@ -214,51 +215,60 @@ def _show(console: Console, result: Run, name: str) -> None:
 
     scenario = result.scenario
     control = scenario.control
-    console.print(f"[bold]{plain(scenario.name)}[/]")
-    console.print(
+    show_text(console, f"[bold]{plain(scenario.name)}[/]")
+    show_text(
+        console,
         f"{plain(repr(scenario.robot))}, base {_base(scenario)}; control every {control.period * 1e3:g} ms "
-        f"({plain(control.solver)}), {control.integrator} in steps of {control.step * 1e3:g} ms"
+        f"({plain(control.solver)}), {control.integrator} in steps of {control.step * 1e3:g} ms",
     )
-    console.print(f"{result.duration:g} s simulated in {result.seconds:.1f} s\n")
-    console.print(_phases(result))
+    show_text(console, f"{result.duration:g} s simulated in {result.seconds:.1f} s\n")
+    _show_phases(console, result.phases)
     for phase in result.phases:
         if phase.reason:
-            console.print(f"{plain(phase.name)}: [bold red]{plain(phase.reason)}[/]")
+            show_text(console, f"{plain(phase.name)}: [bold red]{plain(phase.reason)}[/]")
         for line in summary_text.remarks(phase):
-            console.print(plain(line))
+            show_text(console, plain(line))
     if result.not_begun:
-        console.print(f"not begun: {plain(', '.join(result.not_begun))}")
-    console.print(f"limits of joints exceeded: {plain(summary_text.exceeded(result.exceeded))}")
+        show_text(console, f"not begun: {plain(', '.join(result.not_begun))}")
+    show_text(console, f"limits of joints exceeded: {plain(summary_text.exceeded(result.exceeded))}")
     console.print("\n[bold]Certificate[/]")
-    for line in str(result.certificate).splitlines():
-        console.print(plain(line))
+    show_table(console, _CERTIFICATE, [[plain(cell) for cell in one.cells()] for one in result.certificate.quantities])
     if hint := summary_text.remedy(result, control.step):
-        console.print(plain(hint))
+        show_text(console, plain(hint))
     colour = "bold green" if result.passed else "bold red"
     console.print(f"\n[{colour}]{summary_text.verdict(result)}[/]: {plain(name)}: {summary_text.summary(result)}")
 
 
-def _phases(result: Run) -> Any:
-    from rich.table import Table
+_PHASE = (Column("phase"), Column("from s", True), Column("to s", True), Column("outcome"), Column("cycles", wraps=True))
+_TASK = (Column("task"), Column("worst error", True), Column("at the end", True))
+_CERTIFICATE = (Column(), Column("", True), Column(), Column("", True), Column(wraps=True))
+
+
+def _show_phases(console: Console, phases: Sequence[PhaseResult]) -> None:
+    """Show a line for each phase, and below it one for each of its tasks."""
+    from itertools import islice
 
     from ospace.scenario import summary_text
 
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for heading in ("phase", "from s", "to s", "outcome", "task", "worst error", "at the end", "cycles"):
-        right = heading in ("from s", "to s", "worst error", "at the end")
-        table.add_column(heading, justify="right" if right else "left", no_wrap=heading != "phase")
-    for phase in result.phases:
-        colour = _COLOURS.get(phase.outcome, "bold red")
-        first = (
-            plain(phase.name),
-            f"{phase.start:.3f}",
-            f"{phase.end:.3f}",
-            f"[{colour}]{phase.outcome}[/]",
-        )
-        for k, (task, most, last) in enumerate(summary_text.tasks(phase)):
-            begin = first if k == 0 else ("",) * 4
-            table.add_row(*begin, plain(task), most, last, summary_text.cycles(phase) if k == 0 else "")
-    return table
+    def outcome(text: str) -> str:
+        return f"[{_COLOURS.get(text, 'bold red')}]{text}[/]"
+
+    table = fit(
+        _PHASE,
+        [
+            (plain(one.name), f"{one.start:.3f}", f"{one.end:.3f}", outcome(one.outcome), summary_text.cycles(one))
+            for one in phases
+        ],
+        console.width,
+    )
+    tasks = [[tuple(map(plain, row)) for row in summary_text.tasks(one) if one.errors] for one in phases]
+    below = fit(_TASK, [row for rows in tasks for row in rows], console.width, "  ")
+    left = iter(below.rows)
+    lines = [*table.heading, *(below.heading if any(tasks) else ())]
+    for phase, rows in zip(table.rows, tasks, strict=True):
+        lines += [*phase, *(line for row in islice(left, len(rows)) for line in row)]
+    for line in lines:
+        console.print(line)
 
 
 def _base(scenario: Scenario) -> str:

@@ -63,12 +63,23 @@ class Conserved:
         """True where the error is within the limit, of a scale that is a number."""
         return self.error <= self.limit and math.isfinite(self.scale)
 
-    def __str__(self) -> str:
+    def cells(self) -> tuple[str, str, str, str, str]:
+        """Return the cells of its row in a table.
+
+        Returns
+        -------
+        tuple of str
+            Name, error, limit, scale and verdict.
+        """
         verdict = "pass" if self.passed else f"FAIL (worst at {self.time:.6g} s)"
         if not math.isfinite(self.error + self.scale):
             verdict = f"FAIL (not computable at {self.time:.6g} s)"
-        scale = f"{self.scale:10.4g} {self.unit:<7}"
-        return f"{self.name:<17} {self.error:9.2e}  limit {self.limit:.0e}  of {scale}  {verdict}"
+        scale = f"of {self.scale:10.4g} {self.unit:<7}"
+        return self.name, f"{self.error:9.2e}", f"limit {self.limit:.0e}", scale, verdict
+
+    def __str__(self) -> str:
+        name, error, limit, scale, verdict = self.cells()
+        return f"{name:<16}  {error}  {limit}  {scale}  {verdict}"
 
 
 @dataclass(frozen=True, eq=False)
