@@ -124,9 +124,8 @@ def _text(result: Benchmark) -> str:
 def _show(console: Console, result: Benchmark) -> None:
     machine = dict(result.machine)
     show_text(console, f"[bold]{plain(result.robot)}[/], {result.degrees_of_freedom} degrees of freedom")
-    show_text(
-        console, plain(f"{machine.pop('processor')}, {machine.pop('processors')} processors, {machine.pop('lanes')} lanes")
-    )
+    processor, count, lanes = (machine.pop(name) for name in ("processor", "processors", "lanes"))
+    show_text(console, plain(f"{processor}, {count} processors, {lanes} lanes"))
     show_text(console, plain(", ".join(f"{name} {version}" for name, version in machine.items())))
     show_text(
         console,

@@ -263,7 +263,7 @@ def _show(console: Console, result: Report, urdf: str) -> None:
         _show_agreement(console, result)
         console.print()
         show_text(console, report_text.agreement(result))
-    console.print(f"[{_COLOURS[result.verdict]}]{result.verdict}[/]: {plain(urdf)}: {report_text.summary(result)}")
+    show_text(console, f"[{_COLOURS[result.verdict]}]{result.verdict}[/]: {plain(urdf)}: {report_text.summary(result)}")
 
 
 def _show_agreement(console: Console, result: Report) -> None:

@@ -1,8 +1,8 @@
 """Tables that fit the width they are given: a cell goes on below itself, and nothing is cut off.
 
-Where a table is wider than its place, cells of columns that wrap are broken at words; then a first cell that is too long
-stands on a line of its own; where even that is not enough, each row is stacked: its first cell, and below it the others,
-each behind its heading.
+Where a table is wider than its place, cells of columns that wrap are broken at words; then a first cell that is too
+long stands on a line of its own; where even that is not enough, each row is stacked: its first cell, and below it the
+others, each behind its heading.
 """
 
 from __future__ import annotations
@@ -114,9 +114,7 @@ def _widths(columns: Sequence[Column], rows: Sequence[Sequence[Text]], width: in
     return widths if over <= 0 else None
 
 
-def _row(
-    columns: Sequence[Column], row: Sequence[Text], widths: Sequence[int], width: int, indent: str
-) -> list[Text]:
+def _row(columns: Sequence[Column], row: Sequence[Text], widths: Sequence[int], width: int, indent: str) -> list[Text]:
     """Return the lines of one row."""
     from rich.text import Text
 
@@ -124,9 +122,7 @@ def _row(
     cells = list(row)
     if not columns[0].wraps and cells[0].cell_len > widths[0]:
         lines, cells[0] = wrap(cells[0], width, indent, indent + _GAP), Text()
-    broken = [
-        wrap(cell, size) if cell.cell_len > size else [cell] for cell, size in zip(cells, widths, strict=True)
-    ]
+    broken = [wrap(cell, size) if cell.cell_len > size else [cell] for cell, size in zip(cells, widths, strict=True)]
     for k in range(max(map(len, broken))):
         line = Text(indent)
         for column, cell, size in zip(columns, broken, widths, strict=True):

@@ -244,11 +244,11 @@ def _text(robot: Composition, out: str) -> str:
             console.print()
             show_findings(console, findings, "Findings on " + ("the whole" if about is None else about.label))
     counts = [sum(one.severity == level for one in robot.findings) for level in ("error", "warning")]
-    console.print(f"\nwrote {plain(out)}: {number(counts[0], 'error')}, {number(counts[1], 'warning')}")
+    show_text(console, f"\nwrote {plain(out)}: {number(counts[0], 'error')}, {number(counts[1], 'warning')}")
     return buffered_text(console)
 
 
-_PART = (Column("part"), Column("links", True), Column("joints", True), Column("mass kg", True))
+_PART = (Column("part"), *(Column(name, right=True) for name in ("links", "joints", "mass kg")))
 
 
 def _row(name: str, links: int, moving: int, mass: float) -> tuple[str, str, str, str]:

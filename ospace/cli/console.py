@@ -44,9 +44,7 @@ def no_colour() -> bool:
     return bool(os.environ.get("NO_COLOR"))
 
 
-def show_table(
-    console: Console, columns: Sequence[Column], rows: Sequence[Sequence[str]], indent: str = ""
-) -> None:
+def show_table(console: Console, columns: Sequence[Column], rows: Sequence[Sequence[str]], indent: str = "") -> None:
     """Show rows of cells, which may hold markup, below the headings of their columns."""
     table = fit(columns, rows, console.width, indent)
     for line in [*table.heading, *(line for row in table.rows for line in row)]:
@@ -56,7 +54,7 @@ def show_table(
 def show_text(console: Console, text: str, first: str = "", then: str = "  ") -> None:
     """Show a sentence, which may hold markup: broken at words for a terminal or ``COLUMNS``, whole in a pipe.
 
-    `first` stands before its first line, `then` before those that follow. Verdicts are printed whole, for scripts.
+    `first` stands before its first line, `then` before those that follow.
     """
     from rich.text import Text
 

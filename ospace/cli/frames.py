@@ -56,7 +56,7 @@ def table(reading: Reading, file: str) -> str:
     verdict = f"{number(counts[0], 'error')}, {number(counts[1], 'warning')}"
     counted = f"{number(len(robot.links), 'link')}, {number(len(robot.joints), 'joint')}"
     show_text(console, f"{counted}; limits in rad or m, rad/s or m/s, N m or N")
-    console.print(plain(f"{'unsound' if reading.model is None else 'read'}: {file}: {verdict}"))
+    show_text(console, plain(f"{'unsound' if reading.model is None else 'read'}: {file}: {verdict}"))
     return buffered_text(console)
 
 

@@ -236,12 +236,14 @@ def _show(console: Console, result: Run, name: str) -> None:
     if hint := summary_text.remedy(result, control.step):
         show_text(console, plain(hint))
     colour = "bold green" if result.passed else "bold red"
-    console.print(f"\n[{colour}]{summary_text.verdict(result)}[/]: {plain(name)}: {summary_text.summary(result)}")
+    console.print()
+    show_text(console, f"[{colour}]{summary_text.verdict(result)}[/]: {plain(name)}: {summary_text.summary(result)}")
 
 
-_PHASE = (Column("phase"), Column("from s", True), Column("to s", True), Column("outcome"), Column("cycles", wraps=True))
-_TASK = (Column("task"), Column("worst error", True), Column("at the end", True))
-_CERTIFICATE = (Column(), Column("", True), Column(), Column("", True), Column(wraps=True))
+_TIMES = (Column("from s", right=True), Column("to s", right=True))
+_PHASE = (Column("phase"), *_TIMES, Column("outcome"), Column("cycles", wraps=True))
+_TASK = (Column("task"), Column("worst error", right=True), Column("at the end", right=True))
+_CERTIFICATE = (Column(), Column(right=True), Column(), Column(right=True), Column(wraps=True))
 
 
 def _show_phases(console: Console, phases: Sequence[PhaseResult]) -> None:
