@@ -179,14 +179,14 @@ def test_the_table_has_parts_places_masses_and_the_centre(here, capsys):
         capsys, BUS, "s.urdf", "--remove", "table", "--at", "0.5,0,0", "--prefix", "l_", "--payload", "l_arm", "4kg"
     )
     assert text == (
-        "part                                         links  joints     mass kg\n"
-        "box:1x1x1m,100kg                                 1       0         100\n"
-        "s.urdf                                           2       1           4\n"
+        "part              links  joints  mass kg\n"
+        "box:1x1x1m,100kg      1       0      100\n"
+        "s.urdf                2       1        4\n"
         "  l_ on bus at 0.5, 0, 0 m, rpy 0, 0, 0 rad\n"
         "  without table\n"
-        "body:4kg                                         1       0           4\n"
+        "body:4kg              1       0        4\n"
         "  on l_arm at 0, 0, 0 m, rpy 0, 0, 0 rad\n"
-        "together                                         4       1         108\n"
+        "together              4       1      108\n"
         "centre of mass 0.0574074, 0, 0.00185185 m from 'bus', joints at zero\n"
         "\n"
         "Findings on body:4kg\n"
@@ -272,7 +272,8 @@ def test_clashes_and_files_that_are_not_there_are_status_2(here, capsys):
         assert not (here / "out.urdf").exists()
 
 
-def test_the_example_of_the_docs_prints_what_they_show(here, capsys):
+def test_the_example_of_the_docs_prints_what_they_show(here, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
     shutil.copy(UR5, here)
     page = DOCS.read_text(encoding="utf-8")
     command, shown = re.search(
