@@ -6,7 +6,7 @@ import numpy as np
 
 from ospace import scenario
 
-TABLES = ("name", "robot", "target", "limits", "control")
+TABLES = ("name", "robot", "target", "limits", "control", "noise")
 PLANE = [True, True, False, False, False, False]
 PLANAR = {"model": "planar_2r", "joints": {"joint_1": "20 deg", "joint_2": "60 deg"}}
 REST = {"name": "rest", "type": "damping"}

@@ -221,6 +221,8 @@ def _show(console: Console, result: Run, name: str) -> None:
         f"{plain(repr(scenario.robot))}, base {_base(scenario)}; control every {control.period * 1e3:g} ms "
         f"({plain(control.solver)}), {control.integrator} in steps of {control.step * 1e3:g} ms",
     )
+    for line in summary_text.conditions(scenario):
+        show_text(console, line)
     show_text(console, f"{result.duration:g} s simulated in {result.seconds:.1f} s\n")
     _show_phases(console, result.phases)
     for phase in result.phases:

@@ -50,7 +50,7 @@ _OUTSIDE = 1e-6
 """Excess over position limits that counts as one, rad or m; control stays within less at a limit."""
 _SHORT = 0.01
 """By how much a task without a completion test may be short of its reference, m."""
-_HORIZON = 0.04
+DEFAULT_HORIZON = 0.04
 """How far ahead motion limits are seen, s."""
 _BRAKING_TIME = 0.1
 """Within which joints are braked where nothing can be solved, s."""
@@ -172,7 +172,7 @@ class Controller:
             *np.zeros((2, len(self.tasks), n)),
         )
         largest = self.base.limits[component] / scale
-        horizon = max(_HORIZON, 2.0 * self.period) if limit_horizon is None else limit_horizon
+        horizon = max(DEFAULT_HORIZON, 2.0 * self.period) if limit_horizon is None else limit_horizon
         times = (self.period, _above_zero("limit_horizon", horizon))
         self._limits = limit_tables(self.limits, largest, *times, _above_zero("braking", braking))
         friction = JointFriction.of(robot)

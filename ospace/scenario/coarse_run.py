@@ -3,7 +3,8 @@
 A bound on reach knows nothing of joint limits, nor of the way that an arm takes: whether a hand follows a target that
 turns, only a run can show. In cycles of 10 ms it takes a tenth of the time, and ends where the run itself does, but for
 the error of its steps. That error halves at least with the cycle; so what is refused is an error beyond the tolerance
-that stays the same at half the cycle.
+that stays the same at half the cycle. Sensors are exact there, and commands act at once: noise and delay do not grow
+with the cycle.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from ospace.scenario import summary_text
 from ospace.scenario.errors import ScenarioError
 from ospace.scenario.result import PhaseResult
 from ospace.scenario.runner import run
-from ospace.scenario.schema import PhaseTable, Scenario
+from ospace.scenario.schema import NoiseTable, PhaseTable, Scenario
 
 _COARSEST = 0.01
 """Of a control cycle, s."""
@@ -93,8 +94,9 @@ def _open(scenario: Scenario, cycle: int, progress: Callable[[float], None] | No
     """Return the phase that does not complete in cycles of so many periods."""
     plain = scenario.control
     period = cycle * plain.period
-    control = plain if cycle == 1 else plain.model_copy(update={"period": period, "step": period})
-    result = run(replace(scenario, control=control), progress)
+    coarse = {} if cycle == 1 else {"period": period, "step": period}
+    control = plain.model_copy(update={**coarse, "delay": 0.0})
+    result = run(replace(scenario, control=control, noise=NoiseTable.model_validate({})), progress)
     if result.interrupted:
         raise KeyboardInterrupt
     last = result.phases[-1]

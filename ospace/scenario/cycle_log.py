@@ -60,10 +60,13 @@ class CycleLog:
     def __len__(self) -> int:
         return len(self._cycles)
 
-    def record(self, time: float, q: Floats, command: Command) -> None:
-        """Record one cycle, at `time` (s) in the configuration `q`."""
+    def record(self, time: float, q: Floats, command: Command, truth: Command) -> None:
+        """Record one cycle, at `time` (s) in the configuration `q`.
+
+        `truth` is what a controller would command that sees the robot as it is: of it are errors and Jacobians.
+        """
         if self._about_points:
-            self._waiting.append((command.generalized_jacobian, q.copy()))
+            self._waiting.append((truth.generalized_jacobian, q.copy()))
         if len(self._waiting) == _AT_ONCE:
             self._reduce()
         self.statuses[command.status] += 1
@@ -75,7 +78,7 @@ class CycleLog:
             if known is None or (one.distance, one.angle) > (known.distance, known.angle):
                 self._worst[one.cause] = one
         # one call that Ctrl-C cannot divide: a cycle counts when it is whole
-        self._cycles.append(_Cycle(time, np.concatenate(tuple(command.errors.values())), command.timing.total))
+        self._cycles.append(_Cycle(time, np.concatenate(tuple(truth.errors.values())), command.timing.total))
 
     def coast(self, time: float) -> None:
         """Record a cycle in which nothing acts, at `time` (s)."""

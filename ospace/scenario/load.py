@@ -76,6 +76,7 @@ def load(path: str | os.PathLike[str], plugins: Iterable[str] = ()) -> Scenario:
         base=read.robot.make_base(),
         limits=read.limits,
         control=read.control,
+        noise=read.noise,
         phases=tuple(read.phase),
     )
     rehearse(made, problems, target_known="target" not in read.model_fields_set or target is not None)

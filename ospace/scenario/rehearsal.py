@@ -52,6 +52,7 @@ def rehearse(scenario: Scenario, problems: list[Problem], *, target_known: bool)
         Whether the target is as the file says; else nothing is said of it.
     """
     problems += scenario.limits.accelerations(scenario.robot)[1]
+    problems += scenario.noise.unknown_joints(scenario.robot)
     robots = list(_Names(scenario, problems, target_known).robots())
     if problems:
         return

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
-from ospace.control import Controller, Function, Task
+from ospace.control import Controller, Function, Inequality, RowsInequality, Task
 from ospace.control.references import Reference
 from ospace.kernels.tree import Floats
 from ospace.model.layout import Layout
@@ -24,12 +24,18 @@ from ospace.scenario.result import Contact, Outcome, PhaseResult, Run, Segment, 
 from ospace.scenario.schema import Follow, GraspTable, PhaseTable, Scenario
 from ospace.simulation import Actuation, Certificate, CommandLike, Conserved, Grasp, Trajectory, grasp, simulate
 from ospace.simulation.certificate import relative
+from ospace.simulation.delay_line import DelayLine
 from ospace.simulation.errors import SimulationError
 from ospace.simulation.moving_frame import MovingFrame
+from ospace.simulation.sensor_noise import Sensors
 
 _ROUNDING = 1e-9
 _GRASP_LIMIT = 1e-9
 """Of momentum and energy in a grasp, relative to their scales."""
+
+
+_QV = tuple[Floats, Floats]
+"""q and v."""
 
 
 class States(NamedTuple):
@@ -67,11 +73,11 @@ def run(
 
 
 class _Phase:
-    """A phase on its way."""
+    """A phase on its way; `start` is as it was measured."""
 
     def __init__(self, plan: PhaseTable, scenario: Scenario, start: Start, shared: dict[str, Reference]) -> None:
         self.plan, self.first, self.period = plan, start.cycle, start.period
-        tasks, self._ways = [], []
+        references: list[Reference | None] = []
         for one in plan.tasks:
             own = plan.owns(one)
             reference = start.reference(one) if own else shared.get(one.name)
@@ -79,30 +85,30 @@ class _Phase:
                 reference = start.reference(one)
             if not own and reference is not None:
                 shared[one.name] = reference
-            if isinstance(reference, Function):
-                self._ways.append(reference.motion)
-            tasks.append(one.task(start.robot, reference))
-        self.controller = self._controller(tasks, scenario, start.robot) if tasks else None
+            references.append(reference)
+        self._ways = [one.motion for one in references if isinstance(one, Function)]
+
+        def tasks_of(robot: SpaceRobot) -> list[Task]:
+            return [one.task(robot, reference) for one, reference in zip(plan.tasks, references, strict=True)]
+
+        tasks = tasks_of(start.robot)
+        self.controller: Controller | None = None
+        self._truth: Controller | None = None
+        if tasks:
+            inequalities = [one.make(start.robot) for one in plan.inequalities]
+            self.controller = _controller(start.robot, tasks, scenario, inequalities)
+            self.controller.warm_up()
+            if scenario.noise.any:
+                self._truth = _controller(start.robot, tasks_of(start.robot), scenario)
         self._awaited = [task.name for task in tasks if task.completion is not None]
         self._earliest = plan.earliest
         self._nothing = Actuation(np.zeros(start.robot.n_joints))
         self.cycles = CycleLog(start.robot, tasks)
         self.outcome: Outcome | None = None
 
-    def _controller(self, tasks: list[Task], scenario: Scenario, robot: SpaceRobot) -> Controller:
-        controller = Controller(
-            robot,
-            tasks,
-            base=scenario.base,
-            limits=scenario.limits.of(robot, scenario.robot),
-            inequalities=[one.make(robot) for one in self.plan.inequalities],
-            **scenario.control.settings,
-        )
-        controller.warm_up()
-        return controller
-
-    def update(self, cycle: int, time: float, q: Floats, v: Floats) -> CommandLike:
-        command = self._command(time, q, v)
+    def update(self, cycle: int, time: float, measured: _QV, actual: _QV) -> CommandLike:
+        """Return the command of a cycle."""
+        command = self._command(time, measured, actual)
         elapsed = (cycle + 1 - self.first) * self.period  # when this command has acted
         if elapsed >= self._earliest - _ROUNDING and not self._open():
             self.outcome = "complete"
@@ -110,14 +116,15 @@ class _Phase:
             self.outcome = "timed out"
         return command
 
-    def _command(self, time: float, q: Floats, v: Floats) -> CommandLike:
+    def _command(self, time: float, measured: _QV, actual: _QV) -> CommandLike:
         if self.controller is None:
             self.cycles.coast(time)
             return self._nothing
         for way in self._ways:
             way(time)  # where a target moves to is computed ahead, and no part of the control cycle
-        command = self.controller.update(time, q, v)
-        self.cycles.record(time, q, command)
+        command = self.controller.update(time, *measured)
+        truth = command if self._truth is None else self._truth.update(time, *actual)
+        self.cycles.record(time, actual[0], command, truth)
         return command
 
     def _open(self) -> list[str]:
@@ -153,6 +160,15 @@ class _Phase:
         )
 
 
+def _controller(
+    robot: SpaceRobot, tasks: list[Task], scenario: Scenario, inequalities: Sequence[Inequality | RowsInequality] = ()
+) -> Controller:
+    limits = scenario.limits.of(robot, scenario.robot)
+    return Controller(
+        robot, tasks, base=scenario.base, limits=limits, inequalities=inequalities, **scenario.control.settings
+    )
+
+
 class _ScenarioRunner:
     def __init__(
         self,
@@ -163,6 +179,8 @@ class _ScenarioRunner:
         self.scenario, self.progress, self.watch = scenario, progress, watch
         self.period, self.step = scenario.control.period, scenario.control.step
         self.ticks = round(self.period / self.step)
+        self.delay = round(scenario.control.delay / self.step)
+        self.commands = DelayLine(self.delay)
         self.robot, self.state = scenario.robot, scenario.start
         self.cycle = 0
         self.target = self._free(scenario.target)
@@ -230,7 +248,7 @@ class _ScenarioRunner:
                 sequencer,
                 duration=cycles * self.ticks * self.step,
                 step=self.step,
-                period=self.period,
+                period=self.step if self.delay else self.period,
                 integrator=self.scenario.control.integrator,
                 wheel_momentum=self.wheels,
                 start=first * self.period,
@@ -276,7 +294,8 @@ class _ScenarioRunner:
         """Do what ends a phase; return whether the run can go on."""
         if plan.release and self.held is not None:
             self.state, target = self.held.release(self.state.q, self.state.v)
-            self.robot, self.held, self.target = self.scenario.robot, None, self._free(target)
+            self._becomes(self.scenario.robot)
+            self.held, self.target = None, self._free(target)
             for task in (task for phase in self.scenario.phases for task in phase.tasks):
                 if isinstance(task.followed, Follow):
                     self.shared.pop(task.name, None)  # it followed the target as it moved before the grasp
@@ -299,8 +318,20 @@ class _ScenarioRunner:
             return False
         self.acts += conserved_in_grasp(chaser, target, held, self.cycle * self.period)
         self.certificates += free.certificates
-        self.robot, self.state, self.held, self.target = held.robot, held.state, held, None
+        self._becomes(held.robot)
+        self.state, self.held, self.target = held.state, held, None
         return True
+
+    def _becomes(self, robot: SpaceRobot) -> None:
+        """Change the robot; commands on their way go on to joints that it still has."""
+        torque = dict.fromkeys(robot.rate_names, 0.0)
+        before, self.robot = self.robot, robot
+
+        def converted(command: CommandLike) -> Actuation:
+            known = torque | dict(zip(before.rate_names, command.torque, strict=True))
+            return Actuation(np.array([known[name] for name in torque]), command.base_wrench, command.wheel_torque)
+
+        self.commands.convert(converted)
 
 
 def _nothing(plan: PhaseTable, segment: int, time: float, failure: str) -> PhaseResult:
@@ -315,22 +346,36 @@ class _PhaseSequencer:
     def __init__(self, runner: _ScenarioRunner, robot: SpaceRobot, plans: list[PhaseTable]) -> None:
         self._runner, self._robot, self._plans = runner, robot, plans
         self._cycle, self._steps = runner.cycle, 0
+        self._first_step = runner.cycle * runner.ticks
+        self._sensors = Sensors(robot, runner.scenario.noise.of(robot, runner.scenario.robot, len(runner.segments)))
+        self._nothing = Actuation(np.zeros(robot.n_joints))
         self._wheels = runner.wheels
         self.phases: list[_Phase] = []
         self._over = False
 
     def update(self, time: float, q: Floats, v: Floats) -> CommandLike:
+        """Return what acts now: once a control cycle, or each step where commands act late."""
+        runner = self._runner
+        if not runner.delay:
+            return self._command(time, q, v)
+        k = self._first_step + self._steps
+        if self._steps % runner.ticks == 0:
+            runner.commands.put(k, self._command(time, q, v))
+        return runner.commands.acting(k) or self._nothing
+
+    def _command(self, time: float, q: Floats, v: Floats) -> CommandLike:
+        """Return the command of a control cycle."""
+        runner, measured = self._runner, self._sensors.measure(q, v)
         if not self.phases or self.phases[-1].outcome == "complete":
-            runner = self._runner
-            start = Start(self._robot, q, v, self._cycle, runner.period, runner.target)
+            start = Start(self._robot, *measured, self._cycle, runner.period, runner.target)
             phase = _Phase(self._plans[len(self.phases)], runner.scenario, start, runner.shared)
             if phase.controller is not None:
                 phase.controller.wheel_momentum = self._wheels
             self.phases.append(phase)
-        if self._runner.watch is not None:
-            self._runner.watch(time, lambda: self._runner.states(self._cycle, q, v))
+        if runner.watch is not None:
+            runner.watch(time, lambda: runner.states(self._cycle, q, v))
         phase = self.phases[-1]
-        command = phase.update(self._cycle, time, q, v)
+        command = phase.update(self._cycle, time, measured, (q, v))
         if phase.controller is not None:
             self._wheels = phase.controller.wheel_momentum
         self._cycle += 1

@@ -9,10 +9,19 @@ import numpy as np
 
 from ospace.kernels.tree import Floats
 from ospace.scenario.result import PhaseResult, Verdict
+from ospace.scenario.schema import Scenario
 from ospace.simulation import Excess
 
 _SHOWN = {"m": (1e3, "mm"), "rad": (180.0 / math.pi, "deg")}
 _MOST_LIMITS, _MOST_SHORTFALLS = 6, 4
+
+
+def conditions(scenario: Scenario) -> Iterator[str]:
+    """Yield what makes control harder than a model that is exact and acts at once."""
+    if scenario.control.delay:
+        yield f"commands act {scenario.control.delay * 1e3:g} ms late"
+    if scenario.noise.any:
+        yield f"sensors are noisy (seed {scenario.noise.seed}): errors of tasks are the true ones, not those measured"
 
 
 def errors(norms: Floats, units: tuple[str, str]) -> str:

@@ -30,7 +30,6 @@ from ospace.scenario.units import shown
 Problem = tuple[str, str]
 """A key, as ``phase[1].task[0].stiffness``, and what is wrong with it."""
 _MISSING = object()
-_LAST_LEVEL = 1000
 _TAG = "\0"
 """Begins what pydantic puts into a key to say which of several types it took."""
 
@@ -219,10 +218,22 @@ def _flag(value: object) -> object:
     return value
 
 
-def _level(value: object) -> object:
-    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= _LAST_LEVEL:
-        raise ValueError(f"{shown(value)}: give a whole number from 0 to {_LAST_LEVEL}")
-    return value
+@dataclass(frozen=True)
+class WholeNumber:
+    """Type of a key whose value is a whole number from 0 to `most`."""
+
+    most: int
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self._read)
+
+    def _read(self, value: object) -> int:
+        if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= self.most:
+            raise ValueError(f"{shown(value)}: give a whole number from 0 to {self.most}")
+        return value
+
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"type": "integer", "minimum": 0, "maximum": self.most}
 
 
 def _array(value: object) -> object:
@@ -233,7 +244,6 @@ def _array(value: object) -> object:
 
 Text = Annotated[str, WithJsonSchema({"type": "string", "pattern": r"\S"}), BeforeValidator(_text)]
 Flag = Annotated[bool, BeforeValidator(_flag)]
-Level = Annotated[
-    int, WithJsonSchema({"type": "integer", "minimum": 0, "maximum": _LAST_LEVEL}), BeforeValidator(_level)
-]
+Level = Annotated[int, WholeNumber(1000)]
+Seed = Annotated[int, WholeNumber(2**53)]
 Array = BeforeValidator(_array)

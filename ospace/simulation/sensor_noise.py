@@ -24,13 +24,13 @@ class Noise:
         Standard deviation of each tangent coordinate of q: base pose in base axes, then joints; m, rad.
     v : float or (nv,)
         Standard deviation of each of v; m/s, rad/s.
-    seed : int
+    seed : int or tuple of int
         The same seed gives the same noise.
     """
 
     q: npt.ArrayLike = 0.0
     v: npt.ArrayLike = 0.0
-    seed: int = 0
+    seed: int | tuple[int, ...] = 0
 
 
 class Sensors:

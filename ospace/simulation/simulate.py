@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -14,7 +13,8 @@ from ospace.checks import check_kind, checked_number, checked_vector
 from ospace.exceptions import OspaceError
 from ospace.model.points import OperationalPoint
 from ospace.model.robot import SpaceRobot
-from ospace.simulation.actuation import Actuation, CommandLike, ControllerLike, Law, as_command, law_of
+from ospace.simulation.actuation import ControllerLike, Law, as_command, law_of
+from ospace.simulation.delay_line import DelayLine
 from ospace.simulation.errors import SimulationError
 from ospace.simulation.integrators import integrator_of
 from ospace.simulation.moving_frame import MovingFrame
@@ -190,7 +190,7 @@ class _Driver:
 
     def __init__(self, law: Law, sensors: Sensors, frame: MovingFrame, plant: Plant, clock: _Clock) -> None:
         self._law, self._sensors, self._frame, self._plant, self._clock = law, sensors, frame, plant, clock
-        self._under_way: deque[tuple[int, CommandLike]] = deque()
+        self._under_way = DelayLine(clock.delay)
 
     def drive(self, k: int, motion: IntegratedMotion) -> None:
         """Do what is due before step `k`."""
@@ -201,10 +201,9 @@ class _Driver:
             if not clock.delay:
                 self._plant.hold(command, time)
                 return
-            kept = Actuation(*map(np.array, (command.torque, command.base_wrench, command.wheel_torque)))
-            self._under_way.append((k + clock.delay, kept))
-        while self._under_way and self._under_way[0][0] <= k:
-            self._plant.hold(self._under_way.popleft()[1], time)
+            self._under_way.put(k, command)
+        if (acting := self._under_way.acting(k)) is not None:
+            self._plant.hold(acting, time)
 
 
 def _not_finite(robot: SpaceRobot, time: float) -> str:

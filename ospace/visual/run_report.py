@@ -131,6 +131,7 @@ def _joined(parts: Sequence[tuple[Floats, Floats, Floats]]) -> Records:
 
 
 def _remarks(run: Run) -> Iterator[str]:
+    yield from summary_text.conditions(run.scenario)
     for phase in run.phases:
         if phase.reason:
             yield f"{phase.name}: {phase.reason}"

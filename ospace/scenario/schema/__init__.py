@@ -6,6 +6,7 @@ Names of robots' joints and frames are checked where the robot is known, in `osp
 from ospace.scenario.schema.control_tables import LimitsTable
 from ospace.scenario.schema.goal_tables import Follow, Hold, Shift, ToMomentum, ToPose
 from ospace.scenario.schema.keys import POSITIONS, RATES
+from ospace.scenario.schema.noise_table import NoiseTable
 from ospace.scenario.schema.phase_tables import GraspTable, PhaseTable
 from ospace.scenario.schema.plugin_tables import InequalityTable, PluginTable
 from ospace.scenario.schema.robot_tables import BodyTable, RobotTable, TargetTable
@@ -22,6 +23,7 @@ __all__ = [
     "Hold",
     "InequalityTable",
     "LimitsTable",
+    "NoiseTable",
     "PhaseTable",
     "PluginTable",
     "RobotTable",

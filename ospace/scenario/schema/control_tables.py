@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
 from ospace.control import JointLimits
+from ospace.control.controller import DEFAULT_HORIZON
 from ospace.control.solvers import Solver, solver_named
 from ospace.exceptions import OspaceError
 from ospace.model.robot import SpaceRobot
@@ -21,6 +22,8 @@ from ospace.scenario.units import Quantity
 from ospace.simulation.integrators import INTEGRATORS
 
 _WHOLE = 1e-9
+_DELAYS = 8.0
+"""How many delays of commands motion limits are seen ahead, so that joints rest at them."""
 Share = Annotated[float, Quantity("number", above=0.0, most=1.0)]
 Setting = Annotated[float, Quantity("number", above=0.0)]
 
@@ -102,14 +105,22 @@ class ControlTable(Table):
     damping: Setting = Field(1e-2, description="Weight of that damping, relative to the mean square of the rows")
     regularization: Setting = Field(1e-6, description="Weight of squared accelerations")
     limit_horizon: Period | None = Field(
-        None, description="How far ahead motion limits are seen; 40 ms, or two periods if that is longer"
+        None,
+        description="How far ahead motion limits are seen; 40 ms, or two periods or eight delays if that is longer",
+    )
+
+    delay: Annotated[float, Quantity("time", least=0.0, most=10.0)] = Field(
+        0.0, description="From what is measured to when the command acts, a whole number of steps"
     )
 
     @property
     def settings(self) -> dict[str, Any]:
         """Arguments that a `Controller` takes of it, by name."""
         taken = ("period", "trust_radius", "singular", "damping", "regularization", "limit_horizon")
-        return {name: getattr(self, name) for name in taken} | {"solver": self.solves}
+        settings = {name: getattr(self, name) for name in taken} | {"solver": self.solves}
+        if self.limit_horizon is None and self.delay:
+            settings["limit_horizon"] = max(DEFAULT_HORIZON, 2.0 * self.period, _DELAYS * self.delay)
+        return settings
 
     @model_validator(mode="after")
     def _short_step(self) -> ControlTable:
@@ -126,7 +137,9 @@ class ControlTable(Table):
         return function
 
     def mistakes(self) -> Iterable[Problem]:
-        """Return whether the period is not a whole number of steps."""
-        count = self.period / self.step
-        if math.isfinite(count) and not (round(count) >= 1 and abs(count - round(count)) <= _WHOLE * max(1.0, count)):
-            yield self.path("period"), f"{self.period:g} s is not a whole number of steps of {self.step:g} s"
+        """Yield the times that are not a whole number of steps."""
+        for key, time, least in (("period", self.period, 1), ("delay", self.delay, 0)):
+            count = time / self.step
+            whole = math.isfinite(count) and abs(count - round(count)) <= _WHOLE * max(1.0, count)
+            if math.isfinite(count) and not (whole and round(count) >= least):
+                yield self.path(key), f"{time:g} s is not a whole number of steps of {self.step:g} s"

@@ -68,13 +68,14 @@ class ByJoint:
     linear: str
     angular: str
     above: float = -math.inf
+    least: float = -math.inf
 
     def of(self, joint: str, robot: SpaceRobot) -> Quantity:
         """Return the type of a joint's quantity; raises `ValueError` for a joint with several degrees of freedom."""
         model = robot.model.joints[robot.joint_number(joint)]
         if model.nv > 1:
             raise ValueError(f"joint '{joint}' has {model.nv} degrees of freedom: a scenario sets joints with one")
-        return Quantity(self.linear if unit_of(model) == "m" else self.angular, above=self.above)
+        return Quantity(self.linear if unit_of(model) == "m" else self.angular, least=self.least, above=self.above)
 
     def read(self, given: Mapping[str, Any], robot: SpaceRobot, key: str) -> tuple[dict[str, float], list[Problem]]:
         """Return the quantities in SI units, and what is wrong with others."""
@@ -88,7 +89,7 @@ class ByJoint:
 
     def __get_pydantic_json_schema__(self, core: Any, handler: Any) -> dict[str, Any]:
         of = [
-            Quantity(one, above=self.above).__get_pydantic_json_schema__(core, handler)
+            Quantity(one, least=self.least, above=self.above).__get_pydantic_json_schema__(core, handler)
             for one in (self.linear, self.angular)
         ]
         return {"type": "object", "additionalProperties": {"anyOf": of}}

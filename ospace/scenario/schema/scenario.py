@@ -14,6 +14,7 @@ from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
 from ospace.scenario.schema.control_tables import ControlTable, LimitsTable
 from ospace.scenario.schema.keys import default_table
+from ospace.scenario.schema.noise_table import NoiseTable
 from ospace.scenario.schema.phase_tables import PhaseTable, same_names
 from ospace.scenario.schema.plugin_tables import AnyInequality
 from ospace.scenario.schema.robot_tables import RobotTable, TargetTable
@@ -31,6 +32,7 @@ class ScenarioTable(Table):
     target: TargetTable | None = Field(None, description="What it can grasp")
     limits: LimitsTable = default_table(LimitsTable, "Limits of the joints")
     control: ControlTable = default_table(ControlTable, "How control and simulation go")
+    noise: NoiseTable = default_table(NoiseTable, "Noise of the sensors")
     task: Annotated[list[AnyTask], Array] = Field([], description="Tasks of all phases")
     inequality: Annotated[list[AnyInequality], Array] = Field([], description="Inequalities of all phases")
     phase: Annotated[list[PhaseTable], Array] = Field(
@@ -74,6 +76,7 @@ class Scenario:
     base : Base
     limits : LimitsTable
     control : ControlTable
+    noise : NoiseTable
     phases : tuple of PhaseTable
     """
 
@@ -87,6 +90,7 @@ class Scenario:
     base: Base
     limits: LimitsTable
     control: ControlTable
+    noise: NoiseTable
     phases: tuple[PhaseTable, ...]
 
 
