@@ -1,6 +1,6 @@
 """Singular values of many matrices, one in each lane, by one-sided Jacobi rotations.
 
-A matrix A (r, n) has m = min(r, n) of them. Its rows, or its columns where there are fewer, are made a lower triangle by
+A matrix A (r, n) has m = min(r, n) of them. Its rows, or its columns where these are fewer, become a lower triangle by
 Householder reflections from the right, A = L Q. The columns of L, closer to orthogonal than the rows of A, are rotated
 in pairs:
 
@@ -8,10 +8,10 @@ in pairs:
     a_i ← cos a_i − sin a_j,   a_j ← sin a_i + cos a_j
 
 The pairs of one round have i + j alike, modulo m: they do not share a column, so that the processor works on several.
-Sweeps over all rounds end when |a_iᵀ a_j| ≤ TOLERANCE ‖A‖_F max(|a_i|, |a_j|) for all pairs; a lane that has come so far
-rests while others go on, so that no result depends on its neighbours. The lengths of the columns are then the singular
-values. To make the columns exactly orthogonal, A has to be changed by no more than m TOLERANCE ‖A‖_F, which no singular
-value changes by more than.
+Sweeps over all rounds end when |a_iᵀ a_j| ≤ TOLERANCE ‖A‖_F max(|a_i|, |a_j|) for all pairs. A lane that has come so
+far rests while others go on, so that no result depends on its neighbours. The lengths of the columns are then the
+singular values. To make the columns exactly orthogonal, A has to be changed by no more than m TOLERANCE ‖A‖_F, which no
+singular value changes by more than.
 
 Elements of A are zero, or between 1e-70 and 1e70.
 """
@@ -113,13 +113,14 @@ def triangle(a: Table, columns: int) -> None:
 
 @inlined
 def find_rotation(a: Table, i: int, j: int, active: Number, rotations: Table) -> None:
-    """Write the cosine and sine that make rows `i` and `j` orthogonal where `active` is 1, and no turn where it is 0."""
+    """Write the cosine and sine that make rows `i` and `j` orthogonal where `active` is 1; no turn where it is 0."""
     c = full_like(0.0, a[0, 0])
     difference = c
     for k in range(a.shape[0]):
         x, y = a[i, k], a[j, k]
         difference, c = difference + (y * y - x * x), c + x * y
-    t = active * 2.0 * c / (difference + copysign(sqrt(difference * difference + 4.0 * c * c + _TINY * _TINY), difference))
+    root = sqrt(difference * difference + 4.0 * c * c + _TINY * _TINY)
+    t = active * 2.0 * c / (difference + copysign(root, difference))
     cosine = 1.0 / sqrt(1.0 + t * t)
     rotations[i, 0], rotations[i, 1] = cosine, t * cosine
 
