@@ -30,7 +30,7 @@ TESTS = Path(__file__).resolve().parent
 PACKAGE = TESTS.parent / "ospace"
 KERNELS = (
     ("kinematics", "points", "pv_osimr", "composite_body", "response", "spd_inverse", "articulated_body", "spatial")
-    + ("evaluation", "batch", "forward_chain", "inverted_chain")
+    + ("evaluation", "batch", "forward_chain", "inverted_chain", "singular_values")
 )  # fmt: skip
 FILES = (*(f"kernels/{name}.py" for name in KERNELS), "dynamics/paper_sweeps.py", "model/layout.py")
 CHECKS = (

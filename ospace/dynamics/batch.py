@@ -20,7 +20,7 @@ from ospace.dynamics.generalized_jacobian import base_generalized_jacobian, cent
 from ospace.dynamics.workspace import layout_of, wanted_of
 from ospace.exceptions import OspaceError
 from ospace.kernels import batch as kernel
-from ospace.kernels import evaluation, workspace
+from ospace.kernels import evaluation, singular_values, workspace
 from ospace.kernels.jit import simd
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint, points_of, rows_of
@@ -75,9 +75,9 @@ class OperationalSpaceBatch:
     base_generalized_jacobian : (N, 6, n)
         J_b*.
     singular_values : (N, min(r, n))
-        Of J_m*, the largest first, by LAPACK.
+        Of J_m*, the largest first, each to 1e-12 of the largest.
     smallest_singular_value : (N,)
-        σ_min of J_m*, the last of these: zero at a dynamic singularity.
+        σ_min of J_m*, the last of these: zero at a dynamic singularity, and where there is none.
     placement : (N, p, 7)
         Position (m) and quaternion x, y, z, w of each point in the inertial frame.
     centre_of_mass : (N, 3)
@@ -159,7 +159,7 @@ def operational_space_batch(
         raise OspaceError(f"Q has {len(Q)} states and V has {len(V)}: give one velocity for each configuration")
     results = _arrays(robot, given, len(Q), quantities, out or {})
     lanes = simd.widest()
-    work = _Work(robot, given, Q, V, results, lanes, kernel.BY_WIDTH[lanes])
+    work = _Work(robot, given, Q, V, results, lanes, kernel.BY_WIDTH[lanes], singular_values.BY_WIDTH[lanes])
     _over_threads(work, len(Q), _threads(threads))
     return OperationalSpaceBatch(**results, bad=np.flatnonzero(work.status != evaluation.OK))
 
@@ -175,7 +175,8 @@ def interpreted_batch(
     """
     results = _arrays(robot, points, len(Q), QUANTITIES, {})
     retried = (evaluation.DEPENDENT, evaluation.FAR)
-    work = _Work(robot, tuple(points), Q, V, results, 2, _evaluate_2_interpreted, retried)
+    by = _evaluate_2_interpreted, _singular_values_2_interpreted
+    work = _Work(robot, tuple(points), Q, V, results, 2, *by, retried)
     _over_threads(work, len(Q), 1)
     return OperationalSpaceBatch(**results, bad=np.flatnonzero(work.status != evaluation.OK))
 
@@ -184,6 +185,11 @@ def interpreted_batch(
 def _evaluate_2_interpreted(Q: Floats, V: Floats, memory: Floats, out: kernel.Results) -> None:
     """Run the text of the kernel that `evaluate_2` compiles."""
     kernel.evaluate_lanes(Q, V, memory, simd.zeros(2), 2, out)
+
+
+def _singular_values_2_interpreted(A: Floats, memory: Floats, out: Floats) -> None:
+    """Run the text of the kernel that `singular_values_2` compiles."""
+    singular_values.singular_values(A, memory, simd.zeros(2), 2, out)
 
 
 def _states(given: npt.ArrayLike, columns: int, name: str, robot: str) -> Floats:
@@ -283,6 +289,7 @@ class _Work:
         results: Mapping[str, Floats],
         lanes: int,
         evaluate: Callable[..., None],
+        take_singular_values: Callable[..., None],
         retried: tuple[int, ...] = (
             evaluation.BAD_INPUT,
             evaluation.SINGULAR,
@@ -294,6 +301,7 @@ class _Work:
         self.rows = rows_of(points)
         self.status = np.full(len(Q), evaluation.BAD_INPUT, dtype=np.int64)
         self.lanes, self.evaluate, self.retried = lanes, evaluate, retried
+        self.take_singular_values = take_singular_values
         self.layout = layout_of(robot, points)
         self.turns = [robot.link_axes[point.joint].T @ point.placement.rotation for point in points]
         for name in results:
@@ -312,6 +320,9 @@ class _Worker:
         self.Q, self.V = np.empty((CHUNK, work.robot.nq)), np.empty((CHUNK, work.robot.nv))
         rows = CHUNK if any(name in work.results for name in _OF_JACOBIAN) else 0
         self.jacobian = np.empty((rows, len(work.rows), work.robot.n_joints))
+        self.values = np.empty((rows, min(self.jacobian.shape[1:])))
+        length = singular_values.memory_length(*self.jacobian.shape[1:], work.lanes)
+        self.singular_memory = np.empty(length if self.values.size else 0)
         self.placed = np.zeros((CHUNK if "placement" in work.results else 0, len(work.points), 12))
 
     def run(self, chunk: slice) -> None:
@@ -327,11 +338,16 @@ class _Worker:
         for s in chunk.start + np.flatnonzero(again):
             work.status[s] = self._alone(int(s), chunk)
         if len(self.jacobian):
-            values = np.linalg.svd(self._part("generalized_jacobian", chunk), compute_uv=False)
-            if "singular_values" in work.results:
-                work.results["singular_values"][chunk] = values
-            if "smallest_singular_value" in work.results:
-                work.results["smallest_singular_value"][chunk] = values.min(axis=1) if values.shape[1] else 0.0
+            self._take_singular_values(chunk)
+
+    def _take_singular_values(self, chunk: slice) -> None:
+        work, values = self.work, self.values[: chunk.stop - chunk.start]
+        if self.values.shape[1]:
+            work.take_singular_values(self._part("generalized_jacobian", chunk), self.singular_memory, values)
+        if "singular_values" in work.results:
+            work.results["singular_values"][chunk] = values
+        if "smallest_singular_value" in work.results:
+            work.results["smallest_singular_value"][chunk] = values[:, -1] if values.shape[1] else 0.0
 
     def _place(self, chunk: slice) -> None:
         """Turn what the lanes know of places, about the base and of links, into places of points and mass centre."""

@@ -132,6 +132,11 @@ def _minnum(typing: Any, x: Any, y: Any) -> Any:
 
 
 @intrinsic
+def _copysign(typing: Any, x: Any, y: Any) -> Any:
+    return x(x, x), lambda context, builder, sig, args: _call("copysign", builder, args)
+
+
+@intrinsic
 def _fence(typing: Any, x: Any) -> Any:
     return x(x), lambda context, builder, sig, args: _call("arithmetic.fence", builder, args)
 
@@ -154,6 +159,11 @@ def sqrt(x: Any) -> Any:
 def absolute(x: Any) -> Any:
     """|x|."""
     return np.abs(x)
+
+
+def copysign(x: Any, y: Any) -> Any:
+    """|x| with the sign of y."""
+    return np.copysign(x, y)
 
 
 def floor(x: Any) -> Any:
@@ -179,6 +189,11 @@ def _overload_sqrt(x: Any) -> Any:
 @overload(absolute, strict=False, jit_options=INLINED)
 def _overload_absolute(x: Any) -> Any:
     return lambda x: _fabs(x)
+
+
+@overload(copysign, strict=False, jit_options=INLINED)
+def _overload_copysign(x: Any, y: Any) -> Any:
+    return lambda x, y: _copysign(x, y)
 
 
 @overload(floor, strict=False, jit_options=INLINED)
