@@ -14,7 +14,14 @@ import ospace
 
 PACKAGE = Path(ospace.__file__).parent
 SURFACE = ("ospace", "ospace.models", "ospace.analysis", "ospace.control", "ospace.simulation", "ospace.scenario")
-SURFACE += ("ospace.scenario.log", "ospace.urdf.composition", "ospace.visual")
+SURFACE += (
+    "ospace.bridge.mujoco",
+    "ospace.bridge.drake",
+    "ospace.bridge.spart",
+    "ospace.scenario.log",
+    "ospace.urdf.composition",
+    "ospace.visual",
+)
 OPENS_WRONG = re.compile(r"(What|How|Where|Whether|Which|Why|When|Who)\b")
 
 

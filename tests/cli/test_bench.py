@@ -51,7 +51,7 @@ def test_bench_refuses_wrong_usage(capsys, arguments, words):
 def test_without_matplotlib_the_message_says_what_to_install(capsys, monkeypatch):
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     assert main(["bench", "chaser_24dof", "--plot", "x.svg"]) == 2
-    assert "pip install 'ospace[visual]'" in capsys.readouterr().err
+    assert "pip install -e '.[visual]'" in capsys.readouterr().err
 
 
 def test_an_interrupt_ends_the_bench(monkeypatch, capsys):

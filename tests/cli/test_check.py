@@ -458,7 +458,7 @@ def test_without_the_extra_it_is_told_how_to_get_it(run, monkeypatch, page):
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     status, out, err = run("check", "target", "--html", page)
     assert (status, out) == (2, "")
-    assert err == "ospace: error: a report needs MeshCat: pip install 'ospace[visual]'\n"
+    assert err == "ospace: error: a report needs MeshCat: pip install -e '.[visual]'\n"
     assert not page.exists()
 
 

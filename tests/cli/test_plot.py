@@ -170,7 +170,7 @@ def test_a_run_that_ended_at_once(plot, logged, tmp_path):
 def test_without_matplotlib_the_message_says_what_to_install(plot, logged, monkeypatch, tmp_path):
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     status, _, err = plot(logged[0])
-    assert (status, err) == (2, "ospace: error: a plot needs Matplotlib: pip install 'ospace[visual]'\n")
+    assert (status, err) == (2, "ospace: error: a plot needs Matplotlib: pip install -e '.[visual]'\n")
     assert list(tmp_path.iterdir()) == []
 
 

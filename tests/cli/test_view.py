@@ -172,7 +172,7 @@ def test_without_meshcat_the_message_says_what_to_install(view, tmp_path, monkey
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     status, out, err = view("planar_2r", *options)
     assert (status, out) == (2, "")
-    assert err == "ospace: error: a scene needs MeshCat: pip install 'ospace[visual]'\n"
+    assert err == "ospace: error: a scene needs MeshCat: pip install -e '.[visual]'\n"
     assert list(tmp_path.iterdir()) == []
 
 
