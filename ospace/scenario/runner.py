@@ -18,10 +18,11 @@ from ospace.model.layout import Layout
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
 from ospace.scenario.cycle_log import CycleLog
+from ospace.scenario.disturbances import Disturbances, frame_when_held
 from ospace.scenario.goals import Start
 from ospace.scenario.motion import FreeMotion
 from ospace.scenario.result import Contact, Outcome, PhaseResult, Run, Segment, worst
-from ospace.scenario.schema import Follow, GraspTable, PhaseTable, Scenario
+from ospace.scenario.schema import ROBOT, TARGET, Follow, GraspTable, PhaseTable, Scenario
 from ospace.simulation import Actuation, Certificate, CommandLike, Conserved, Grasp, Trajectory, grasp, simulate
 from ospace.simulation.certificate import relative
 from ospace.simulation.delay_line import DelayLine
@@ -230,16 +231,29 @@ class _ScenarioRunner:
         robot, control = self.scenario.target_robot, self.scenario.control
         if robot is None or state is None:
             return None
-        return FreeMotion(robot, state, self.cycle, control.period, control.step, control.integrator)
+        pushes = {one: robot.point(one.point) for one in self.scenario.disturbances_of(TARGET)}
+        disturbances = Disturbances(pushes, control.step)
+        return FreeMotion(robot, state, self.cycle, control.period, control.step, control.integrator, disturbances)
+
+    def _disturbances(self) -> Disturbances:
+        """Return those that act on the robot, and on what it holds."""
+        scenario, robot = self.scenario, self.robot
+        points = {one: robot.point(one.point) for one in scenario.disturbances_of(ROBOT)}
+        if self.held is not None and scenario.target_robot is not None:
+            for one in scenario.disturbances_of(TARGET):
+                points[one] = robot.point(frame_when_held(one.point, scenario.target_robot, scenario.robot))
+        return Disturbances(points, self.step)
 
     # -- one segment -----------------------------------------------------------------------------------------
 
     def _segment(self, plans: list[PhaseTable]) -> bool:
         """Run the phases up to the next grasp or release; return whether all are complete."""
         robot = self.robot
-        sequencer = _PhaseSequencer(self, robot, plans)
+        disturbances = self._disturbances()
+        sequencer = _PhaseSequencer(self, robot, plans, disturbances)
         cycles = sum(math.ceil(plan.timeout / self.period - _ROUNDING) for plan in plans)
         failure, first = "", self.cycle
+        disturbances.begin(first * self.period)
         try:
             trajectory = simulate(
                 robot,
@@ -250,6 +264,7 @@ class _ScenarioRunner:
                 step=self.step,
                 period=self.step if self.delay else self.period,
                 integrator=self.scenario.control.integrator,
+                wrenches=disturbances.wrenches,
                 wheel_momentum=self.wheels,
                 start=first * self.period,
                 on_step=sequencer.stepped,
@@ -343,8 +358,10 @@ def _nothing(plan: PhaseTable, segment: int, time: float, failure: str) -> Phase
 class _PhaseSequencer:
     """The controller of a segment: hands over from phase to phase."""
 
-    def __init__(self, runner: _ScenarioRunner, robot: SpaceRobot, plans: list[PhaseTable]) -> None:
-        self._runner, self._robot, self._plans = runner, robot, plans
+    def __init__(
+        self, runner: _ScenarioRunner, robot: SpaceRobot, plans: list[PhaseTable], disturbances: Disturbances
+    ) -> None:
+        self._runner, self._robot, self._plans, self._disturbances = runner, robot, plans, disturbances
         self._cycle, self._steps = runner.cycle, 0
         self._first_step = runner.cycle * runner.ticks
         self._sensors = Sensors(robot, runner.scenario.noise.of(robot, runner.scenario.robot, len(runner.segments)))
@@ -387,6 +404,7 @@ class _PhaseSequencer:
     def stepped(self, time: float) -> bool:
         """End the run with the last cycle's last step."""
         self._steps += 1
+        self._disturbances.begin(time)
         self._runner.progress(time)
         return self._over and self._steps % self._runner.ticks == 0
 

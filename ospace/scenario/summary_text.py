@@ -23,6 +23,13 @@ def conditions(scenario: Scenario) -> Iterator[str]:
     if scenario.noise.any:
         yield f"sensors are noisy (seed {scenario.noise.seed}): errors of tasks are the true ones, not those measured"
 
+    for one in scenario.disturbances:
+        amounts = [(one.force, "N"), (one.torque, "N m")]
+        size = ", ".join(f"{np.linalg.norm(amount):.4g} {unit}" for amount, unit in amounts if amount.any())
+        wave = f" at {one.frequency:g} Hz" if one.frequency else ""
+        until = f" to {one.start + one.duration:g} s" if math.isfinite(one.duration) else " s on"
+        yield f"disturbance '{one.name}': {size}{wave} on '{one.point}' of the {one.of}, from {one.start:g}{until}"
+
 
 def errors(norms: Floats, units: tuple[str, str]) -> str:
     """Return both norms (2,), in mm and deg where they are lengths and angles."""

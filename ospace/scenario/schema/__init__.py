@@ -4,6 +4,7 @@ Names of robots' joints and frames are checked where the robot is known, in `osp
 """
 
 from ospace.scenario.schema.control_tables import LimitsTable
+from ospace.scenario.schema.disturbance_table import ROBOT, TARGET, DisturbanceTable
 from ospace.scenario.schema.goal_tables import Follow, Hold, Shift, ToMomentum, ToPose
 from ospace.scenario.schema.keys import POSITIONS, RATES
 from ospace.scenario.schema.noise_table import NoiseTable
@@ -16,8 +17,11 @@ from ospace.scenario.schema.task_tables import TASKS, TaskTable
 __all__ = [
     "POSITIONS",
     "RATES",
+    "ROBOT",
+    "TARGET",
     "TASKS",
     "BodyTable",
+    "DisturbanceTable",
     "Follow",
     "GraspTable",
     "Hold",
