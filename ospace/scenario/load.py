@@ -78,6 +78,7 @@ def load(path: str | os.PathLike[str], plugins: Iterable[str] = ()) -> Scenario:
         control=read.control,
         noise=read.noise,
         disturbances=tuple(read.disturbance),
+        mass_errors=tuple(read.mass_error),
         phases=tuple(read.phase),
     )
     rehearse(made, problems, target_known="target" not in read.model_fields_set or target is not None)

@@ -19,6 +19,7 @@ from ospace.exceptions import OspaceError, closest
 from ospace.model.points import OperationalPoint
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
+from ospace.scenario.mass_errors import believed
 from ospace.scenario.reach import Region, apart, mass_centre, of_target, reached
 from ospace.scenario.schema import (
     ROBOT,
@@ -59,6 +60,7 @@ def rehearse(scenario: Scenario, problems: list[Problem], *, target_known: bool)
     problems += scenario.limits.accelerations(scenario.robot)[1]
     problems += scenario.noise.unknown_joints(scenario.robot)
     problems += _misplaced(scenario, target_known)
+    problems += _unbelievable(scenario, target_known)
     robots = list(_Names(scenario, problems, target_known).robots())
     if problems:
         return
@@ -93,6 +95,23 @@ def _misplaced(scenario: Scenario, target_known: bool) -> Iterator[Problem]:
             yield one.path("of"), "there is no target: give a table [target]"
         elif robot is not None:
             yield from _unknown_frame(one.path("point"), one.point, robot.name, robot.frame_names)
+
+
+def _unbelievable(scenario: Scenario, target_known: bool) -> Iterator[Problem]:
+    """Yield the errors of masses of links that nothing has, and those that leave no body."""
+    for one in scenario.mass_errors:
+        robot = scenario.robot if one.of == ROBOT else scenario.target_robot
+        if robot is None and target_known and one.of == TARGET:
+            yield one.path("of"), "there is no target: give a table [target]"
+        elif robot is not None:
+            unknown = list(_unknown_frame(one.path("link"), one.link or "", robot.name, robot.frame_names))
+            yield from unknown
+            if unknown or list(one.problems()):
+                continue
+            try:
+                believed(robot, [one])
+            except OspaceError as error:
+                yield one.key, str(error)
 
 
 def _unknown_frame(key: str, frame: str, robot: str, known: Iterable[str], where: str = "") -> Iterator[Problem]:

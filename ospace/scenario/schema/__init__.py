@@ -7,6 +7,7 @@ from ospace.scenario.schema.control_tables import LimitsTable
 from ospace.scenario.schema.disturbance_table import ROBOT, TARGET, DisturbanceTable
 from ospace.scenario.schema.goal_tables import Follow, Hold, Shift, ToMomentum, ToPose
 from ospace.scenario.schema.keys import POSITIONS, RATES
+from ospace.scenario.schema.mass_error_table import MassErrorTable
 from ospace.scenario.schema.noise_table import NoiseTable
 from ospace.scenario.schema.phase_tables import GraspTable, PhaseTable
 from ospace.scenario.schema.plugin_tables import InequalityTable, PluginTable
@@ -27,6 +28,7 @@ __all__ = [
     "Hold",
     "InequalityTable",
     "LimitsTable",
+    "MassErrorTable",
     "NoiseTable",
     "PhaseTable",
     "PluginTable",

@@ -15,6 +15,7 @@ from ospace.model.state import State
 from ospace.scenario.schema.control_tables import ControlTable, LimitsTable
 from ospace.scenario.schema.disturbance_table import DisturbanceTable
 from ospace.scenario.schema.keys import default_table
+from ospace.scenario.schema.mass_error_table import MassErrorTable
 from ospace.scenario.schema.noise_table import NoiseTable
 from ospace.scenario.schema.phase_tables import PhaseTable, same_names
 from ospace.scenario.schema.plugin_tables import AnyInequality
@@ -34,6 +35,9 @@ class ScenarioTable(Table):
     limits: LimitsTable = default_table(LimitsTable, "Limits of the joints")
     control: ControlTable = default_table(ControlTable, "How control and simulation go")
     noise: NoiseTable = default_table(NoiseTable, "Noise of the sensors")
+    mass_error: Annotated[list[MassErrorTable], Array] = Field(
+        [], description="Errors of the model that the controller has"
+    )
     disturbance: Annotated[list[DisturbanceTable], Array] = Field([], description="Wrenches from outside")
     task: Annotated[list[AnyTask], Array] = Field([], description="Tasks of all phases")
     inequality: Annotated[list[AnyInequality], Array] = Field([], description="Inequalities of all phases")
@@ -81,6 +85,7 @@ class Scenario:
     control : ControlTable
     noise : NoiseTable
     disturbances : tuple of DisturbanceTable
+    mass_errors : tuple of MassErrorTable
     phases : tuple of PhaseTable
     """
 
@@ -96,6 +101,7 @@ class Scenario:
     control: ControlTable
     noise: NoiseTable
     disturbances: tuple[DisturbanceTable, ...]
+    mass_errors: tuple[MassErrorTable, ...]
     phases: tuple[PhaseTable, ...]
 
     def disturbances_of(self, of: str) -> list[DisturbanceTable]:
