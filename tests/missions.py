@@ -19,13 +19,16 @@ def phase(name, *tasks, **keys):
     return {"name": name, **keys, "task": tasks}
 
 
-def toml(*phases, tasks=(), **tables):
+def toml(*phases, tasks=(), disturbances=(), mass_errors=(), **tables):
     """Return the TOML of a scenario; a key whose value is None is left out. An empty list of tasks is written."""
     lines = _table("", {"name": tables.get("name")})
     for name in TABLES[1:]:
         lines += _table(f"[{name}]", tables.get(name))
     for task in tasks:
         lines += _table("[[task]]", task)
+    for head, own in (("[[disturbance]]", disturbances), ("[[mass_error]]", mass_errors)):
+        for one in own:
+            lines += _table(head, one)
     for one in phases:
         lines += _table("[[phase]]", {key: value for key, value in one.items() if key != "task" or value == []})
         for task in one["task"]:

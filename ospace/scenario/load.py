@@ -77,6 +77,8 @@ def load(path: str | os.PathLike[str], plugins: Iterable[str] = ()) -> Scenario:
         limits=read.limits,
         control=read.control,
         noise=read.noise,
+        disturbances=tuple(read.disturbance),
+        mass_errors=tuple(read.mass_error),
         phases=tuple(read.phase),
     )
     rehearse(made, problems, target_known="target" not in read.model_fields_set or target is not None)

@@ -22,6 +22,7 @@ the goal, by any angle and any number of turns. Where the turn to make is given,
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -35,6 +36,7 @@ from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
+from ospace.scenario.disturbances import Disturbances
 from ospace.simulation import Certificate, simulate
 from ospace.simulation.plant import Plant
 
@@ -96,6 +98,8 @@ class FreeMotion:
     period, step : float
         Of a control cycle and of the integrator, s.
     integrator : "rk4" or "symplectic"
+    disturbances : Disturbances, optional
+        That act on it.
 
     Attributes
     ----------
@@ -113,8 +117,10 @@ class FreeMotion:
         period: float = 1e-3,
         step: float | None = None,
         integrator: str = "rk4",
+        disturbances: Disturbances | None = None,
     ) -> None:
         self.robot, self.first = robot, first
+        self._disturbances = disturbances or Disturbances({}, step or period)
         self._period, self._step, self._integrator = period, step or period, integrator
         self._q, self._v = [start.q.copy()], [start.v.copy()]
         self.certificates: list[Certificate] = []
@@ -166,15 +172,16 @@ class FreeMotion:
         callable
             From two cycles to the point's pose, velocity and acceleration at each from the one to before the other.
         """
-        plant = Plant(self.robot)
+        plant = Plant(self.robot, self._disturbances.wrenches)
 
         def motion(first: int, last: int) -> Motion:
             Q, V = self.states(first, last)
             base = Q[:, :3].copy()
             Q[:, :3] = 0.0
             A = np.empty_like(V)
-            for q, v, a in zip(Q, V, A, strict=True):
-                plant.accelerate(0.0, q, v, a)
+            for cycle, q, v, a in zip(range(first, last), Q, V, A, strict=True):
+                self._disturbances.begin(cycle * self._period)
+                plant.accelerate(cycle * self._period, q, v, a)
             beside = point_motion(point, Q, V, A)
             return beside._replace(place=beside.place + base)
 
@@ -184,6 +191,8 @@ class FreeMotion:
         """Simulate up to a cycle."""
         ticks, ahead = round(self._period / self._step), max(1, round(_AHEAD / self._period))
         while len(self._q) <= cycle - self.first:
+            start = (self.first + len(self._q) - 1) * self._period
+            self._disturbances.begin(start)
             run = simulate(
                 self.robot,
                 self._q[-1],
@@ -191,14 +200,23 @@ class FreeMotion:
                 duration=ahead * ticks * self._step,
                 step=self._step,
                 integrator=self._integrator,
+                wrenches=self._disturbances.wrenches,
                 log_every=ticks,
-                start=(self.first + len(self._q) - 1) * self._period,
+                start=start,
+                on_step=self._disturbances.begin,
             )
             if run.interrupted:
                 raise KeyboardInterrupt
             self._q.extend(run.q[1:])
             self._v.extend(run.v[1:])
-            self.certificates.append(run.certificate())
+            known = {one.name: one.given for one in self.certificates[-1].quantities} if self.certificates else {}
+            self.certificates.append(  # what came from outside goes on from one part to the next
+                Certificate(
+                    tuple(
+                        replace(one, given=one.given + known.get(one.name, 0.0)) for one in run.certificate().quantities
+                    )
+                )
+            )
 
 
 class Approach:

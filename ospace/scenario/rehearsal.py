@@ -16,9 +16,15 @@ import pinocchio as pin
 
 from ospace.control import Controller, Task
 from ospace.exceptions import OspaceError, closest
+from ospace.model.points import OperationalPoint
 from ospace.model.robot import SpaceRobot
+from ospace.model.state import State
+from ospace.scenario.mass_errors import believed
 from ospace.scenario.reach import Region, apart, mass_centre, of_target, reached
 from ospace.scenario.schema import (
+    ROBOT,
+    TARGET,
+    DisturbanceTable,
     Follow,
     GraspTable,
     Hold,
@@ -53,6 +59,8 @@ def rehearse(scenario: Scenario, problems: list[Problem], *, target_known: bool)
     """
     problems += scenario.limits.accelerations(scenario.robot)[1]
     problems += scenario.noise.unknown_joints(scenario.robot)
+    problems += _misplaced(scenario, target_known)
+    problems += _unbelievable(scenario, target_known)
     robots = list(_Names(scenario, problems, target_known).robots())
     if problems:
         return
@@ -77,6 +85,39 @@ def rehearse(scenario: Scenario, problems: list[Problem], *, target_known: bool)
     reach = _Reach(scenario, problems)
     for phase, robot in zip(scenario.phases, robots, strict=True):
         reach.phase(phase, robot)
+
+
+def _misplaced(scenario: Scenario, target_known: bool) -> Iterator[Problem]:
+    """Yield the disturbances that act on a frame that nothing has."""
+    for one in scenario.disturbances:
+        robot = scenario.robot if one.of == ROBOT else scenario.target_robot
+        if robot is None and target_known and one.of == TARGET:
+            yield one.path("of"), "there is no target: give a table [target]"
+        elif robot is not None:
+            yield from _unknown_frame(one.path("point"), one.point, robot.name, robot.frame_names)
+
+
+def _unbelievable(scenario: Scenario, target_known: bool) -> Iterator[Problem]:
+    """Yield the errors of masses of links that nothing has, and those that leave no body."""
+    for one in scenario.mass_errors:
+        robot = scenario.robot if one.of == ROBOT else scenario.target_robot
+        if robot is None and target_known and one.of == TARGET:
+            yield one.path("of"), "there is no target: give a table [target]"
+        elif robot is not None:
+            unknown = list(_unknown_frame(one.path("link"), one.link or "", robot.name, robot.frame_names))
+            yield from unknown
+            if unknown or list(one.problems()):
+                continue
+            try:
+                believed(robot, [one])
+            except OspaceError as error:
+                yield one.key, str(error)
+
+
+def _unknown_frame(key: str, frame: str, robot: str, known: Iterable[str], where: str = "") -> Iterator[Problem]:
+    """Yield a frame that the robot does not have."""
+    if frame and frame not in known:
+        yield key, f"no frame '{frame}' in robot '{robot}'{closest(frame, known)}{where}"
 
 
 class _Names:
@@ -155,8 +196,7 @@ class _Names:
             return None
 
     def _frame(self, key: str, frame: str, robot: str, known: Iterable[str], where: str = "") -> None:
-        if frame and frame not in known:
-            self.problems.append((key, f"no frame '{frame}' in robot '{robot}'{closest(frame, known)}{where}"))
+        self.problems += _unknown_frame(key, frame, robot, known, where)
 
 
 class _Reach:
@@ -172,11 +212,13 @@ class _Reach:
     def __init__(self, scenario: Scenario, problems: list[Problem]) -> None:
         self.scenario, self.problems = scenario, problems
         self._begins = self._ends = 0.0  # the earliest and the latest time, s
-        start, self._force = scenario.start, float(np.linalg.norm(scenario.base.limits[:3]))
+        start, pushed = scenario.start, scenario.disturbances_of(ROBOT)
+        self._force = float(np.linalg.norm(scenario.base.limits[:3])) + _largest_force(pushed)
+        self._target_pushed = scenario.disturbances_of(TARGET)
         inside = not scenario.robot.outside_limits(start.q)
         self._centre = mass_centre((start,), self._force) if inside else None  # else joints may slide to anywhere
         self._target = scenario.target  # as long as it moves by itself, from the start on
-        self._rests = inside and not start.v.any()
+        self._rests = inside and not start.v.any() and not pushed
         self._first = True
 
     def phase(self, plan: PhaseTable, robot: SpaceRobot) -> None:
@@ -192,7 +234,8 @@ class _Reach:
         if plan.changes_robot:
             centre = None  # of either by itself it is not known after a release
             if plan.grasp is not None and self._centre is not None and self._target is not None:
-                centre = mass_centre((self.scenario.start, self._target), self._force)
+                force = self._force + _largest_force(self._target_pushed)
+                centre = mass_centre((self.scenario.start, self._target), force)
             self._centre, self._target, self._rests = centre, None, False
 
     # -- tasks -----------------------------------------------------------------------------------------------
@@ -228,12 +271,18 @@ class _Reach:
         """Return where the goal of a task is, if that is known."""
         start, target, goal = self.scenario.start, self.scenario.target_robot, plan.followed
         if isinstance(goal, Follow) and target is not None and self._target is not None:
-            return of_target(self._target, target.point(goal.follow, offset=goal.offset.pose))
+            return self._of_target(self._target, target.point(goal.follow, offset=goal.offset.pose))
         if isinstance(goal, ToPose) and goal.position is not None:
             return Region.still(goal.position)
         if isinstance(goal, Shift) and self._first:
             return Region.still(start.placement(task.points[0]).translation + goal.shift)
         return None
+
+    def _of_target(self, state: State, point: OperationalPoint) -> Region:
+        """Return where a point of the target may be, as it moves by itself."""
+        if not self._target_pushed:
+            return of_target(state, point)
+        return reached(point, mass_centre((state,), _largest_force(self._target_pushed)))
 
     def _refuse(self, phase: PhaseTable, plan: TaskTable, why: str) -> None:
         where = "" if phase.owns(plan) else f" (phase '{phase.name}')"
@@ -248,7 +297,7 @@ class _Reach:
         if self._target is None:
             return
         hand, fixture = self.scenario.robot.point(plan.hand), target.point(plan.fixture)
-        there, near = of_target(self._target, fixture), plan.position + _ROUNDING
+        there, near = self._of_target(self._target, fixture), plan.position + _ROUNDING
         if self._centre is not None:
             off = reached(hand, self._centre).distance(there, first, last)
             if off > near:
@@ -281,6 +330,11 @@ class _Reach:
         what = f"'{plan.hand}' is at least {off * 1e3:.4g} mm from '{plan.fixture}' where task '{task.name}' is done"
         self.problems.append((f"{phase.key}.grasp", f"{what}: a grasp needs {plan.position * 1e3:g} mm"))
         return True
+
+
+def _largest_force(disturbances: Iterable[DisturbanceTable]) -> float:
+    """Return the largest force of all together, N."""
+    return sum(float(np.linalg.norm(one.force)) for one in disturbances)
 
 
 def _stays(task: TaskTable) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Literal
 
 import numpy as np
@@ -261,14 +261,19 @@ def _exceeded(segment: Segment, plan: LimitsTable, actuated: SpaceRobot) -> dict
 
 
 def worst(certificates: list[Certificate]) -> Certificate:
-    """Return for each quantity the one that is the worst for its limit; what cannot be computed is the worst of all."""
+    """Return for each quantity the one that is the worst for its limit; what cannot be computed is the worst of all.
+
+    What came from outside is the most that any of them says.
+    """
     by_name: dict[str, Conserved] = {}
+    given: dict[str, float] = {}
     for certificate in certificates:
         for one in certificate.quantities:
             known = by_name.get(one.name)
+            given[one.name] = max(given.get(one.name, 0.0), one.given)
             if known is None or _badness(one) > _badness(known):
                 by_name[one.name] = one
-    return Certificate(tuple(by_name.values()))
+    return Certificate(tuple(replace(one, given=given[name]) for name, one in by_name.items()))
 
 
 def _badness(one: Conserved) -> float:

@@ -18,10 +18,12 @@ from ospace.model.layout import Layout
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
 from ospace.scenario.cycle_log import CycleLog
+from ospace.scenario.disturbances import Disturbances, frame_when_held
 from ospace.scenario.goals import Start
+from ospace.scenario.mass_errors import believed
 from ospace.scenario.motion import FreeMotion
 from ospace.scenario.result import Contact, Outcome, PhaseResult, Run, Segment, worst
-from ospace.scenario.schema import Follow, GraspTable, PhaseTable, Scenario
+from ospace.scenario.schema import ROBOT, TARGET, Follow, GraspTable, PhaseTable, Scenario
 from ospace.simulation import Actuation, Certificate, CommandLike, Conserved, Grasp, Trajectory, grasp, simulate
 from ospace.simulation.certificate import relative
 from ospace.simulation.delay_line import DelayLine
@@ -73,9 +75,23 @@ def run(
 
 
 class _Phase:
-    """A phase on its way; `start` is as it was measured."""
+    """A phase on its way.
 
-    def __init__(self, plan: PhaseTable, scenario: Scenario, start: Start, shared: dict[str, Reference]) -> None:
+    Parameters
+    ----------
+    plan : PhaseTable
+    scenario : Scenario
+    start : Start
+        As it was measured, of the robot as the controller knows it.
+    robot : SpaceRobot
+        As it is.
+    shared : dict of str to Reference
+        Of tasks of all phases, by name.
+    """
+
+    def __init__(
+        self, plan: PhaseTable, scenario: Scenario, start: Start, robot: SpaceRobot, shared: dict[str, Reference]
+    ) -> None:
         self.plan, self.first, self.period = plan, start.cycle, start.period
         references: list[Reference | None] = []
         for one in plan.tasks:
@@ -98,12 +114,13 @@ class _Phase:
             inequalities = [one.make(start.robot) for one in plan.inequalities]
             self.controller = _controller(start.robot, tasks, scenario, inequalities)
             self.controller.warm_up()
-            if scenario.noise.any:
-                self._truth = _controller(start.robot, tasks_of(start.robot), scenario)
+            if scenario.noise.any or start.robot is not robot:
+                tasks = tasks_of(robot)
+                self._truth = _controller(robot, tasks, scenario)
         self._awaited = [task.name for task in tasks if task.completion is not None]
         self._earliest = plan.earliest
-        self._nothing = Actuation(np.zeros(start.robot.n_joints))
-        self.cycles = CycleLog(start.robot, tasks)
+        self._nothing = Actuation(np.zeros(robot.n_joints))
+        self.cycles = CycleLog(robot, tasks)
         self.outcome: Outcome | None = None
 
     def update(self, cycle: int, time: float, measured: _QV, actual: _QV) -> CommandLike:
@@ -182,6 +199,7 @@ class _ScenarioRunner:
         self.delay = round(scenario.control.delay / self.step)
         self.commands = DelayLine(self.delay)
         self.robot, self.state = scenario.robot, scenario.start
+        self.known = self._chaser_known = self._believed(scenario.robot, ROBOT)
         self.cycle = 0
         self.target = self._free(scenario.target)
         self.held: Grasp | None = None
@@ -230,16 +248,29 @@ class _ScenarioRunner:
         robot, control = self.scenario.target_robot, self.scenario.control
         if robot is None or state is None:
             return None
-        return FreeMotion(robot, state, self.cycle, control.period, control.step, control.integrator)
+        pushes = {one: robot.point(one.point) for one in self.scenario.disturbances_of(TARGET)}
+        disturbances = Disturbances(pushes, control.step)
+        return FreeMotion(robot, state, self.cycle, control.period, control.step, control.integrator, disturbances)
+
+    def _disturbances(self) -> Disturbances:
+        """Return those that act on the robot, and on what it holds."""
+        scenario, robot = self.scenario, self.robot
+        points = {one: robot.point(one.point) for one in scenario.disturbances_of(ROBOT)}
+        if self.held is not None and scenario.target_robot is not None:
+            for one in scenario.disturbances_of(TARGET):
+                points[one] = robot.point(frame_when_held(one.point, scenario.target_robot, scenario.robot))
+        return Disturbances(points, self.step)
 
     # -- one segment -----------------------------------------------------------------------------------------
 
     def _segment(self, plans: list[PhaseTable]) -> bool:
         """Run the phases up to the next grasp or release; return whether all are complete."""
         robot = self.robot
-        sequencer = _PhaseSequencer(self, robot, plans)
+        disturbances = self._disturbances()
+        sequencer = _PhaseSequencer(self, robot, plans, disturbances)
         cycles = sum(math.ceil(plan.timeout / self.period - _ROUNDING) for plan in plans)
         failure, first = "", self.cycle
+        disturbances.begin(first * self.period)
         try:
             trajectory = simulate(
                 robot,
@@ -250,6 +281,7 @@ class _ScenarioRunner:
                 step=self.step,
                 period=self.step if self.delay else self.period,
                 integrator=self.scenario.control.integrator,
+                wrenches=disturbances.wrenches,
                 wheel_momentum=self.wheels,
                 start=first * self.period,
                 on_step=sequencer.stepped,
@@ -294,7 +326,7 @@ class _ScenarioRunner:
         """Do what ends a phase; return whether the run can go on."""
         if plan.release and self.held is not None:
             self.state, target = self.held.release(self.state.q, self.state.v)
-            self._becomes(self.scenario.robot)
+            self._becomes(self.scenario.robot, self._chaser_known)
             self.held, self.target = None, self._free(target)
             for task in (task for phase in self.scenario.phases for task in phase.tasks):
                 if isinstance(task.followed, Follow):
@@ -318,14 +350,27 @@ class _ScenarioRunner:
             return False
         self.acts += conserved_in_grasp(chaser, target, held, self.cycle * self.period)
         self.certificates += free.certificates
-        self._becomes(held.robot)
+        self._becomes(held.robot, self._held_known(plan, chaser, target) or held.robot)
         self.state, self.held, self.target = held.state, held, None
         return True
 
-    def _becomes(self, robot: SpaceRobot) -> None:
-        """Change the robot; commands on their way go on to joints that it still has."""
+    def _believed(self, robot: SpaceRobot, of: str) -> SpaceRobot:
+        """Return a robot as the controller knows it."""
+        return believed(robot, [one for one in self.scenario.mass_errors if one.of == of])
+
+    def _held_known(self, plan: GraspTable, chaser: State, target: State) -> SpaceRobot | None:
+        """Return the combined robot as the controller knows it; None where it knows it as it is."""
+        robot = self.scenario.target_robot
+        if not self.scenario.mass_errors or robot is None:
+            return None
+        known = self._chaser_known, self._believed(robot, TARGET)
+        states = [robot.state(one.q, one.v) for robot, one in zip(known, (chaser, target), strict=True)]
+        return grasp(states[0], known[0].point(plan.hand), states[1], known[1].point(plan.fixture)).robot
+
+    def _becomes(self, robot: SpaceRobot, known: SpaceRobot) -> None:
+        """Change the robot, and how it is known; commands on their way go on to joints that it still has."""
         torque = dict.fromkeys(robot.rate_names, 0.0)
-        before, self.robot = self.robot, robot
+        before, self.robot, self.known = self.robot, robot, known
 
         def converted(command: CommandLike) -> Actuation:
             known = torque | dict(zip(before.rate_names, command.torque, strict=True))
@@ -343,8 +388,10 @@ def _nothing(plan: PhaseTable, segment: int, time: float, failure: str) -> Phase
 class _PhaseSequencer:
     """The controller of a segment: hands over from phase to phase."""
 
-    def __init__(self, runner: _ScenarioRunner, robot: SpaceRobot, plans: list[PhaseTable]) -> None:
-        self._runner, self._robot, self._plans = runner, robot, plans
+    def __init__(
+        self, runner: _ScenarioRunner, robot: SpaceRobot, plans: list[PhaseTable], disturbances: Disturbances
+    ) -> None:
+        self._runner, self._robot, self._plans, self._disturbances = runner, robot, plans, disturbances
         self._cycle, self._steps = runner.cycle, 0
         self._first_step = runner.cycle * runner.ticks
         self._sensors = Sensors(robot, runner.scenario.noise.of(robot, runner.scenario.robot, len(runner.segments)))
@@ -367,8 +414,8 @@ class _PhaseSequencer:
         """Return the command of a control cycle."""
         runner, measured = self._runner, self._sensors.measure(q, v)
         if not self.phases or self.phases[-1].outcome == "complete":
-            start = Start(self._robot, *measured, self._cycle, runner.period, runner.target)
-            phase = _Phase(self._plans[len(self.phases)], runner.scenario, start, runner.shared)
+            start = Start(runner.known, *measured, self._cycle, runner.period, runner.target)
+            phase = _Phase(self._plans[len(self.phases)], runner.scenario, start, self._robot, runner.shared)
             if phase.controller is not None:
                 phase.controller.wheel_momentum = self._wheels
             self.phases.append(phase)
@@ -387,6 +434,7 @@ class _PhaseSequencer:
     def stepped(self, time: float) -> bool:
         """End the run with the last cycle's last step."""
         self._steps += 1
+        self._disturbances.begin(time)
         self._runner.progress(time)
         return self._over and self._steps % self._runner.ticks == 0
 

@@ -22,6 +22,20 @@ def conditions(scenario: Scenario) -> Iterator[str]:
         yield f"commands act {scenario.control.delay * 1e3:g} ms late"
     if scenario.noise.any:
         yield f"sensors are noisy (seed {scenario.noise.seed}): errors of tasks are the true ones, not those measured"
+    for error in scenario.mass_errors:
+        links = f"'{error.link}'" if error.link else "all links"
+        inertia = error.mass if error.inertia is None else error.inertia
+        yield (
+            f"the controller takes {links} of the {error.of} for {100.0 * error.mass:+g} % in mass, "
+            f"{100.0 * inertia:+g} % in inertia, off by {np.linalg.norm(error.mass_centre) * 1e3:g} mm"
+        )
+
+    for one in scenario.disturbances:
+        amounts = [(one.force, "N"), (one.torque, "N m")]
+        size = ", ".join(f"{np.linalg.norm(amount):.4g} {unit}" for amount, unit in amounts if amount.any())
+        wave = f" at {one.frequency:g} Hz" if one.frequency else ""
+        until = f" to {one.start + one.duration:g} s" if math.isfinite(one.duration) else " s on"
+        yield f"disturbance '{one.name}': {size}{wave} on '{one.point}' of the {one.of}, from {one.start:g}{until}"
 
 
 def errors(norms: Floats, units: tuple[str, str]) -> str:

@@ -33,6 +33,7 @@ UNITS: dict[str, dict[str, float]] = {
     "momentum": {"N s": 1.0, "kg m/s": 1.0},
     "angular momentum": {"N m s": 1.0, "kg m^2/s": 1.0},
     "stiffness": {"1/s^2": 1.0, "s^-2": 1.0},
+    "frequency": {"Hz": 1.0, "mHz": 1e-3},
     "number": {},
 }
 """Factors to SI by unit; the first is the SI unit itself."""
@@ -52,6 +53,7 @@ LARGEST: dict[str, float] = {
     "momentum": 1e12,
     "angular momentum": 1e15,
     "stiffness": 1e8,
+    "frequency": 1e6,
     "number": 1e6,
 }
 """The largest amounts that a scenario may have, SI: beyond these, a run would show rounding and overflow alone."""

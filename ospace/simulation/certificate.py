@@ -49,6 +49,9 @@ class Conserved:
     unit : str
     time : float
         When the error was worst, s.
+    given : float
+        The most that thrusters and external wrenches had given by any record, in `unit`: what is balanced with it, and
+        not conserved.
     """
 
     name: str
@@ -57,6 +60,7 @@ class Conserved:
     scale: float
     unit: str
     time: float
+    given: float = 0.0
 
     @property
     def passed(self) -> bool:
@@ -96,6 +100,8 @@ class Balance:
     scale : float
         In `unit`.
     unit : str
+    given : float
+        As of `Conserved`.
     """
 
     name: str
@@ -103,11 +109,12 @@ class Balance:
     limit: float
     scale: float
     unit: str
+    given: float = 0.0
 
     def worst(self, time: Floats) -> Conserved:
         """Return the largest error, of records at `time` (N,), s."""
         k = int(np.argmax(self.error))
-        return Conserved(self.name, float(self.error[k]), self.limit, self.scale, self.unit, float(time[k]))
+        return Conserved(self.name, float(self.error[k]), self.limit, self.scale, self.unit, float(time[k]), self.given)
 
 
 @dataclass(frozen=True)
@@ -129,8 +136,16 @@ class Certificate:
     def __getitem__(self, name: str) -> Conserved:
         return {one.name: one for one in self.quantities}[name]
 
+    @property
+    def from_outside(self) -> str:
+        """Momentum that thrusters and external wrenches gave, in words; empty where momentum is conserved."""
+        given = [f"{one.given:.4g} {one.unit}" for one in self.quantities if one.given > 0.0]
+        if not given:
+            return ""
+        return f"not conserved but balanced: from outside came up to {', '.join(given)}"
+
     def __str__(self) -> str:
-        return "\n".join(map(str, self.quantities))
+        return "\n".join(filter(None, [*map(str, self.quantities), self.from_outside]))
 
 
 class Recorded(Protocol):
@@ -192,12 +207,16 @@ def _balances(run: Recorded) -> tuple[Balance, ...]:
         T + np.abs(run.work).max(),
         1.0,
     )
+    pushed = bool(run.impulse.any())
+    given = pushed * _peak(f), pushed * _peak(moment_about_centre), 0.0, 0.0
     limits = SYMPLECTIC_LIMITS if run.integrator == "symplectic" else LIMITS
     units = ("kg m/s", "kg m²/s", "J", "")
     errors = (_lengths(linear), _lengths(angular), np.abs(energy), run.rotation_drift)
     return tuple(
-        Balance(name, relative(error, float(scale)), limit, float(scale), unit)
-        for (name, limit), error, scale, unit in zip(limits.items(), errors, scales, units, strict=True)
+        Balance(name, relative(error, float(scale)), limit, float(scale), unit, of_outside)
+        for (name, limit), error, scale, unit, of_outside in zip(
+            limits.items(), errors, scales, units, given, strict=True
+        )
     )
 
 

@@ -4,8 +4,10 @@ Names of robots' joints and frames are checked where the robot is known, in `osp
 """
 
 from ospace.scenario.schema.control_tables import LimitsTable
+from ospace.scenario.schema.disturbance_table import ROBOT, TARGET, DisturbanceTable
 from ospace.scenario.schema.goal_tables import Follow, Hold, Shift, ToMomentum, ToPose
 from ospace.scenario.schema.keys import POSITIONS, RATES
+from ospace.scenario.schema.mass_error_table import MassErrorTable
 from ospace.scenario.schema.noise_table import NoiseTable
 from ospace.scenario.schema.phase_tables import GraspTable, PhaseTable
 from ospace.scenario.schema.plugin_tables import InequalityTable, PluginTable
@@ -16,13 +18,17 @@ from ospace.scenario.schema.task_tables import TASKS, TaskTable
 __all__ = [
     "POSITIONS",
     "RATES",
+    "ROBOT",
+    "TARGET",
     "TASKS",
     "BodyTable",
+    "DisturbanceTable",
     "Follow",
     "GraspTable",
     "Hold",
     "InequalityTable",
     "LimitsTable",
+    "MassErrorTable",
     "NoiseTable",
     "PhaseTable",
     "PluginTable",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from typing import Annotated
+from typing import Annotated, Protocol
 
 from pydantic import Field, PrivateAttr
 
@@ -25,6 +25,14 @@ class GraspTable(Table):
     angle: Annotated[float, Quantity("angle", above=0.0, infinite=True)] = Field(
         math.radians(1.0), description="Largest angle between the two"
     )
+
+
+class Named(Protocol):
+    """A table with a name."""
+
+    name: str
+
+    def path(self, name: str) -> str: ...  # noqa: D102
 
 
 class PhaseTable(Table):
@@ -104,9 +112,7 @@ class PhaseTable(Table):
             yield self.path("release"), "a phase ends by a grasp or by a release, not by both"
 
 
-def same_names(
-    what: str, tables: Iterable[PhaseTable] | Iterable[TaskTable] | Iterable[InequalityTable]
-) -> Iterator[Problem]:
+def same_names(what: str, tables: Iterable[Named]) -> Iterator[Problem]:
     """Yield the tables that bear the name of one before them."""
     known: set[str] = set()
     for table in tables:

@@ -13,7 +13,9 @@ from ospace.control import Base
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
 from ospace.scenario.schema.control_tables import ControlTable, LimitsTable
+from ospace.scenario.schema.disturbance_table import DisturbanceTable
 from ospace.scenario.schema.keys import default_table
+from ospace.scenario.schema.mass_error_table import MassErrorTable
 from ospace.scenario.schema.noise_table import NoiseTable
 from ospace.scenario.schema.phase_tables import PhaseTable, same_names
 from ospace.scenario.schema.plugin_tables import AnyInequality
@@ -33,6 +35,10 @@ class ScenarioTable(Table):
     limits: LimitsTable = default_table(LimitsTable, "Limits of the joints")
     control: ControlTable = default_table(ControlTable, "How control and simulation go")
     noise: NoiseTable = default_table(NoiseTable, "Noise of the sensors")
+    mass_error: Annotated[list[MassErrorTable], Array] = Field(
+        [], description="Errors of the model that the controller has"
+    )
+    disturbance: Annotated[list[DisturbanceTable], Array] = Field([], description="Wrenches from outside")
     task: Annotated[list[AnyTask], Array] = Field([], description="Tasks of all phases")
     inequality: Annotated[list[AnyInequality], Array] = Field([], description="Inequalities of all phases")
     phase: Annotated[list[PhaseTable], Array] = Field(
@@ -54,6 +60,7 @@ class ScenarioTable(Table):
             what = f"time-outs of {longest:g} s in all are more than {_MOST_STEPS} steps of {self.control.step:g} s"
             yield "phase", f"{what}: make them shorter, or control.step longer"
         yield from same_names("phase", self.phase)
+        yield from same_names("disturbance", self.disturbance)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +84,8 @@ class Scenario:
     limits : LimitsTable
     control : ControlTable
     noise : NoiseTable
+    disturbances : tuple of DisturbanceTable
+    mass_errors : tuple of MassErrorTable
     phases : tuple of PhaseTable
     """
 
@@ -91,7 +100,22 @@ class Scenario:
     limits: LimitsTable
     control: ControlTable
     noise: NoiseTable
+    disturbances: tuple[DisturbanceTable, ...]
+    mass_errors: tuple[MassErrorTable, ...]
     phases: tuple[PhaseTable, ...]
+
+    def disturbances_of(self, of: str) -> list[DisturbanceTable]:
+        """Return the disturbances of the robot, or of the target.
+
+        Parameters
+        ----------
+        of : "robot" or "target"
+
+        Returns
+        -------
+        list of DisturbanceTable
+        """
+        return [one for one in self.disturbances if one.of == of]
 
 
 def json_schema() -> dict[str, Any]:
