@@ -12,6 +12,11 @@ def printable(text: str) -> str:
     return "".join(letter if letter.isprintable() else letter.encode("unicode_escape").decode() for letter in text)
 
 
+def printable_lines(text: str) -> str:
+    """Return the text with such escapes, its line breaks kept."""
+    return "\n".join(map(printable, text.split("\n")))
+
+
 class OspaceError(Exception):
     """Base of all errors that ospace raises on purpose; the message says what is wrong and what would be right.
 

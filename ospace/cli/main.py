@@ -21,6 +21,8 @@ _VERBS = ("check", "compose", "view", "run", "plot", "bench", "list")
 XACRO_VALUE = re.compile(r"([A-Za-z_]\w*):=(.*)", re.DOTALL)
 # The matrices here are small: threads of the linear algebra would wait for each other longer than they work.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ["MPLBACKEND"] = "agg"  # figures go into files, whatever windows the user has set, or misspelt
+_NO_MEMORY_TO_LOAD = ("failed to map segment", "cannot allocate memory")
 
 
 def parser() -> argparse.ArgumentParser:
@@ -51,26 +53,38 @@ def main(arguments: Sequence[str] | None = None) -> int:
     interrupts = Interrupts(main.__code__)
     try:
         with interrupts, warnings.catch_warnings():
-            warnings.showwarning = lambda message, *where, **more: print(f"ospace: {message}", file=sys.stderr)
+            warnings.showwarning = lambda message, *where, **more: output.tell(str(message))
             given = _parsed(list(sys.argv[1:] if arguments is None else arguments))
             given.refuse_if_interrupted, given.clear_interrupt = interrupts.refuse, interrupts.clear
             status, text = given.run(given)
             interrupts.refuse()
         return int(status) if output.printed(text) else EXIT_USAGE
     except OspaceError as error:
-        print(f"ospace: error: {error}", file=sys.stderr)
+        output.tell(f"error: {error}")
         return EXIT_USAGE
     except KeyboardInterrupt:
-        print("ospace: interrupted", file=sys.stderr)
+        output.tell("interrupted")
         return EXIT_INTERRUPTED
-    except OSError as error:
-        print(f"ospace: error: {error}", file=sys.stderr)
-        return EXIT_USAGE
-    except Exception:
-        if not interrupts.seen:
+    except Exception as error:
+        if interrupts.seen:  # a library made another error of it
+            output.tell("interrupted")
+            return EXIT_INTERRUPTED
+        if _lacks_memory(error):
+            output.tell("error: not enough memory")
+        elif isinstance(error, OSError):
+            output.tell(f"error: {error}")
+        else:
             raise
-        print("ospace: interrupted", file=sys.stderr)  # a library made another error of it
-        return EXIT_INTERRUPTED
+        return EXIT_USAGE
+
+
+def _lacks_memory(error: BaseException | None) -> bool:
+    """Return whether memory was asked for in vain, by a library too, which may make another error of it."""
+    while error is not None:
+        if isinstance(error, MemoryError) or any(text in str(error).lower() for text in _NO_MEMORY_TO_LOAD):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
 
 
 def _parsed(arguments: list[str]) -> argparse.Namespace:

@@ -7,6 +7,7 @@ import os
 import stat
 import sys
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from pathlib import Path
 
 FIGURES = (".svg", ".png", ".pdf")
@@ -68,16 +69,23 @@ def _is_standard_output(path: Path) -> bool:
 
 def writable(*paths: Path | None) -> None:
     """Raise `OSError` where one of `paths` cannot be written; what is there stays as it is, and nothing else comes."""
+    from ospace.files import check_writable
+
     for path in filter(None, paths):
-        existed = path.exists()
-        if existed and not (path.is_file() or path.is_dir()):
-            continue  # opening a device or pipe has side effects
-        path.open("ab").close()
-        if not existed:
-            os.unlink(os.path.realpath(path))  # a link that led nowhere stays, and leads nowhere
+        check_writable(path)
 
 
-# -- after the work ----------------------------------------------------------------------------------------------
+# -- beside the work and after it --------------------------------------------------------------------------------
+
+
+def tell(text: str) -> None:
+    """Print a remark on standard error, of which a terminal obeys nothing; it is lost where that is closed or full."""
+    from ospace.exceptions import printable_lines
+
+    if sys.stderr is None:  # print would take standard output
+        return
+    with suppress(OSError):
+        print(printable_lines(f"ospace: {text}"), file=sys.stderr, flush=True)
 
 
 def printed(text: str) -> bool:
@@ -85,13 +93,13 @@ def printed(text: str) -> bool:
     if not text:
         return True
     if sys.stdout is None:  # closed by the caller: print would drop the text
-        print("ospace: error: cannot write the result: standard output is closed", file=sys.stderr)
+        tell("error: cannot write the result: standard output is closed")
         return False
     try:
         print(text, end="", flush=True)
     except OSError as error:
         if not isinstance(error, BrokenPipeError):  # where the reader of a pipe has gone, nobody is left to read it
-            print(f"ospace: error: cannot write the result: {error.strerror}", file=sys.stderr)
+            tell(f"error: cannot write the result: {error.strerror}")
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nothing may be written at exit either
         return False
     return True
@@ -107,12 +115,12 @@ def written(path: Path, what: str, write: Callable[[], object]) -> bool:
         It holds, as ``"report"``.
     write : function
     """
-    from ospace.exceptions import OspaceError, printable
+    from ospace.exceptions import OspaceError
 
     try:
         write()
     except (OSError, OspaceError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        print(f"ospace: error: {printable(str(path))}: no {what}: {reason}", file=sys.stderr)
+        tell(f"error: {path}: no {what}: {reason}")
         return False
     return True

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+
+from ospace.cli import output
 
 _COMPILING = "compiling kernels, once for this machine (seconds each)"
 
@@ -34,7 +35,7 @@ def bar(given: argparse.Namespace, what: str, total: int) -> Iterator[Callable[[
             which = f"compiling {number} of {of} kernels, once for this machine" if of > 1 else _COMPILING
             shown.update(task, description=which if of else what, refresh=True)
             if of and not said and not drawn:
-                print(f"ospace: {_COMPILING}", file=sys.stderr)
+                output.tell(_COMPILING)
                 said = True
 
         def advance(done: int) -> None:

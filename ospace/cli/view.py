@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 import time as clock
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -118,11 +117,11 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
         return _unsound(given, error, file, folders)
     q = robot.configuration({**robot.joint_positions(robot.neutral()), **_pose(given.pose, robot)})
     if beyond := robot.outside_limits(q):
-        print(f"ospace: warning: --pose is outside limits: {excess_text(robot.model, beyond)}", file=sys.stderr)
+        output.tell(f"warning: --pose is outside limits: {excess_text(robot.model, beyond)}")
     scene = _scene(given, robot)
     scene.display(q)
     for finding in scene.findings:
-        print(f"ospace: {finding}", file=sys.stderr)
+        output.tell(str(finding))
     if given.html or given.screenshot:
         return 0, _write(given, scene.html, lambda: _animated(given, scene, q))
     return 0, _serve(given, scene.content, _player(given, scene, q))
@@ -147,12 +146,12 @@ def _unsound(
     faults = [finding for finding in by_severity(error.findings) if finding.severity != "info"]
     errors = sum(finding.severity == "error" for finding in faults)
     for text in (*map(str, faults), *drawn.notes):
-        print(f"ospace: {text}", file=sys.stderr)
+        output.tell(text)
     unused = [f"--{name}" for name in ("point", "pose", "sweep") if getattr(given, name)]
     if given.layers is not None:
         unused += [f"layer {name}" for name in layers if name not in TITLES]
     if unused:
-        print(f"ospace: warning: not used, as no dynamics can be computed: {', '.join(unused)}", file=sys.stderr)
+        output.tell(f"warning: not used, as no dynamics can be computed: {', '.join(unused)}")
     heading = f"unsound: {number(errors, 'error')}, {number(len(faults) - errors, 'warning')}; all joints at zero"
     content = drawn.content(printable(description.name), heading, given.background, faults)
     if given.html or given.screenshot:

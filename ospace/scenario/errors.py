@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from ospace.exceptions import OspaceError, printable
+from ospace.exceptions import OspaceError, printable, printable_lines
 
 
 class ScenarioError(OspaceError):
@@ -24,9 +24,8 @@ class ScenarioError(OspaceError):
     def __init__(self, path: Path, problems: Iterable[tuple[str, str]]) -> None:
         self.path, self.problems = path, tuple(problems)
         self.key = self.problems[0][0] if self.problems else ""
-        texts = [f"{printable(key)}: {_lines(what)}" if key else _lines(what) for key, what in self.problems]
+        texts = [
+            f"{printable(key)}: {printable_lines(what)}" if key else printable_lines(what)
+            for key, what in self.problems
+        ]
         super().__init__(f"{path}:" + (f" {texts[0]}" if len(texts) == 1 else "".join(f"\n  {text}" for text in texts)))
-
-
-def _lines(text: str) -> str:
-    return "\n".join(map(printable, text.split("\n")))

@@ -163,6 +163,8 @@ def _logged(segment: Segment, run: Run) -> LoggedSegment:
 # -- one file ----------------------------------------------------------------------------------------------------
 
 _ABOUT = "about"
+_LONGEST_NAME = 50
+"""Letters; of four bytes each they still make a name that file systems take."""
 _FORMAT = "ospace run 2"
 
 
@@ -391,7 +393,8 @@ def to_csv(run: Run, folder: str | os.PathLike[str]) -> list[Path]:
     lines = ["phase,outcome,segment,start [s],end [s]"]
     lines += [f"{_quoted(p.name)},{p.outcome},{p.segment},{p.start!r},{p.end!r}" for p in run.phases]
     written = [to / "phases.csv"]
-    written[0].write_text("\n".join(lines) + "\n", encoding="utf-8")
+    with replacing(written[0]) as part:
+        part.write_text("\n".join(lines) + "\n", encoding="utf-8")
     for k, phase in enumerate(run.phases):
         heading, columns = ["time [s]"], [phase.time]
         for task, errors in phase.errors.items():
@@ -412,14 +415,15 @@ def to_csv(run: Run, folder: str | os.PathLike[str]) -> list[Path]:
 
 
 def _table(file: Path, heading: list[str], values: Floats) -> Path:
-    np.savetxt(file, values, fmt="%.17g", delimiter=",", header=",".join(heading), comments="", encoding="utf-8")
+    with replacing(file) as part:
+        np.savetxt(part, values, fmt="%.17g", delimiter=",", header=",".join(heading), comments="", encoding="utf-8")
     return file
 
 
 def _quoted(text: str) -> str:
-    return '"' + text.replace('"', '""') + '"' if set(text) & set(',"\n') else text
+    return '"' + text.replace('"', '""') + '"' if set(text) & set(',"\n\r') else text
 
 
 def _safe(text: str) -> str:
-    """Return a name as files may have it."""
-    return "".join(letter if letter.isalnum() or letter in "-_" else "_" for letter in text)
+    """Return a name as files may have it, of which the first letters are enough."""
+    return "".join(letter if letter.isalnum() or letter in "-_" else "_" for letter in text[:_LONGEST_NAME])

@@ -13,7 +13,7 @@ import numpy as np
 import pinocchio as pin
 
 from ospace.exceptions import OspaceError
-from ospace.files import arrays
+from ospace.files import arrays, replacing
 from ospace.kernels.tree import Floats
 from ospace.model.joint_positions import in_unit
 from ospace.model.robot import SpaceRobot
@@ -175,7 +175,7 @@ class Trajectory:
     # -- files -----------------------------------------------------------------------------------------------
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write everything to a file, compressed.
+        """Write everything to a file, compressed, which appears when it is whole.
 
         Parameters
         ----------
@@ -190,7 +190,8 @@ class Trajectory:
         file = Path(path).with_suffix(".npz")
         content = {one.name: getattr(self, one.name) for one in fields(self)}
         beyond = {joint: asdict(excess) for joint, excess in self.outside_limits.items()}
-        np.savez_compressed(file, **content | {"outside_limits": json.dumps(beyond)})
+        with replacing(file) as part:
+            np.savez_compressed(part, **content | {"outside_limits": json.dumps(beyond)})
         return file
 
     @classmethod
@@ -241,7 +242,8 @@ class Trajectory:
             values = np.atleast_2d(getattr(self, name).T).T
             heading = ",".join(["time [s]", *(f"{name}[{k}]{unit}" for k in range(values.shape[1]))])
             file = to / f"{name}.csv"
-            np.savetxt(file, np.c_[self.time, values], fmt="%.17g", delimiter=",", header=heading, comments="")
+            with replacing(file) as part:
+                np.savetxt(part, np.c_[self.time, values], fmt="%.17g", delimiter=",", header=heading, comments="")
             written.append(file)
         return written
 

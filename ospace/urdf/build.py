@@ -171,7 +171,11 @@ def _on_large_stack(call: Callable[[], pin.Model]) -> pin.Model:
     before = threading.stack_size(_STACK)
     try:
         with ThreadPoolExecutor(1) as pool:
-            return pool.submit(call).result()
+            try:
+                parsed = pool.submit(call)
+            except RuntimeError as error:  # that no thread can be started says nothing of the file
+                raise MemoryError(str(error)) from None
+            return parsed.result()
     finally:
         threading.stack_size(before)
 

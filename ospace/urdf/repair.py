@@ -19,6 +19,7 @@ import numpy as np
 from lxml import etree
 
 from ospace.exceptions import OspaceError, printable
+from ospace.files import replacing
 from ospace.kernels.tree import Floats
 from ospace.urdf import encoding, reader, source, xacro
 from ospace.urdf.lint.inertia import ROUNDED, classify_tensor
@@ -105,13 +106,13 @@ def write(
 
 def _write_new(out: Path, content: bytes) -> None:
     """Write a file that is not there yet, the whole of it or none."""
-    with open(out, "xb") as file:
-        try:
-            file.write(content)
-            file.flush()
-        except BaseException:
-            out.unlink()
-            raise
+    open(out, "xb").close()  # two that write at once do not both succeed
+    try:
+        with replacing(out) as part:
+            part.write_bytes(content)
+    except BaseException:
+        out.unlink()
+        raise
 
 
 def repair_content(path: Path, content: bytes, limits: Limits | None = None) -> tuple[bytes, list[Change]]:

@@ -2,12 +2,14 @@
 
 Numba looks at the file of the entry alone when it decides whether a cached kernel is still good; an edit in a
 file that the entry inlines would go unnoticed and old results come back. So every state of the sources has a
-folder of its own, named by a hash over all kernel files and the versions of what compiles them.
+folder of its own, named by a hash over all kernel files and the versions of what compiles them. Nor would it notice
+damage to machine code, which then does anything: each file ends with a hash of what it holds.
 """
 
 from __future__ import annotations
 
 import hashlib
+import io
 import os
 import platform
 import tempfile
@@ -22,6 +24,7 @@ from typing import Any
 import llvmlite
 import numba
 import numpy
+from numba.core.caching import IndexDataCacheFile
 
 
 def _root() -> Path:
@@ -53,7 +56,7 @@ def directory() -> Path | None:
 
 
 def warn(error: Exception) -> None:
-    """Tell that compiled kernels cannot be kept, or what was kept cannot be read."""
+    """Tell that compiled kernels cannot be kept."""
     message = f"kernels are compiled anew by each process, which takes seconds: no folder can keep them ({error}); "
     warnings.warn(message + "set OSPACE_CACHE_DIR to one that can be written", RuntimeWarning, stacklevel=2)
 
@@ -71,7 +74,45 @@ def report(number: int, of: int) -> None:
 def is_kept(entry: Any) -> bool:
     """Return whether `entry` is on disk, for some types of arguments at least."""
     index = getattr(getattr(entry._cache, "_cache_file", None), "_index_path", None)
-    return index is not None and Path(index).exists()
+    return index is not None and _is_whole(index)
+
+
+def check_files(entry: Any) -> None:
+    """Let the files of a compiled `entry` end with their hashes, and what is damaged be compiled and written anew."""
+    if hasattr(entry._cache, "_cache_file"):
+        entry._cache._cache_file.__class__ = _CheckedFiles
+
+
+class _CheckedFiles(IndexDataCacheFile):
+    """Numba's index and data files of one kernel, each with a hash at the end: one that is damaged is not there."""
+
+    @contextmanager
+    def _open_for_write(self, path: str) -> Iterator[io.BytesIO]:
+        content = io.BytesIO()
+        yield content
+        with super()._open_for_write(path) as file:
+            file.write(content.getvalue() + _hash(content.getvalue()))
+
+    def _load_index(self) -> Any:
+        return super()._load_index() if _is_whole(self._index_path) else {}
+
+    def _load_data(self, name: str) -> Any:
+        return super()._load_data(name) if _is_whole(self._data_path(name)) else None
+
+
+def _is_whole(path: str) -> bool:
+    try:
+        content = Path(path).read_bytes()
+    except OSError:
+        return False
+    return content[-_HASH:] == _hash(content[:-_HASH])
+
+
+def _hash(content: bytes) -> bytes:
+    return hashlib.sha256(content).digest()
+
+
+_HASH = len(_hash(b""))
 
 
 _TOGETHER = ContextVar("ospace_compiles_together", default=False)

@@ -15,7 +15,6 @@ Two decorators make every kernel of the package:
 
 from __future__ import annotations
 
-import pickle
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar, cast
 
@@ -52,7 +51,6 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 # Sums may be reordered and contracted; NaN and infinity keep their meaning, so that bad numbers stay visible.
 _FASTMATH = {"contract", "reassoc", "nsz", "arcp"}
 _SOUND_LLVM = (20, 0, 0)
-_CACHE_ERRORS = (OSError, EOFError, ValueError, pickle.UnpicklingError)  # a full disk, a file cut short or garbled
 # Kernels make no arrays, so none is counted: _nrt.
 _OPTIONS: dict[str, Any] = {"fastmath": _FASTMATH, "error_model": "numpy", "_nrt": False}
 INLINED = {**_OPTIONS, "forceinline": True, "no_cfunc_wrapper": True}
@@ -84,6 +82,7 @@ def _compiled(function: Function, nogil: bool) -> Function:
     with cache.keyed_on_sources() as writable:
         compiled: Any = numba.njit(cache=writable, nogil=nogil, **_OPTIONS)(function)
     if hasattr(compiled, "compile"):  # not there where kernels run interpreted
+        cache.check_files(compiled)
         compiled.compile = _Compilation(compiled)
     return cast(Function, compiled)
 
@@ -109,7 +108,7 @@ class _Compilation:
 
     A read-only array is another type to numba, but machine code that only reads it is the same: it is registered for
     both. LLVM gathers scalar arithmetic into vectors, which makes one state a quarter faster; numba has that off
-    because of LLVM 14's faults, so it stays off where LLVM is old. A cache that cannot be read is begun anew.
+    because of LLVM 14's faults, so it stays off where LLVM is old. A cache that cannot be written is left alone.
     """
 
     def __init__(self, entry: Any) -> None:
@@ -138,23 +137,14 @@ class _Compilation:
             before = numba.config.SLP_VECTORIZE
             numba.config.SLP_VECTORIZE = int(llvmlite.binding.llvm_version_info >= _SOUND_LLVM)
             try:
-                return self._kept(signature)
-            except _CACHE_ERRORS as error:
+                with cache.announced(entry):
+                    return self._compile(signature)
+            except OSError as error:  # a full disk
                 cache.warn(error)
                 entry._cache = NullCache()
                 return self._compile(signature)
             finally:
                 numba.config.SLP_VECTORIZE = before
-
-    def _kept(self, signature: Any) -> Any:
-        """Load what is kept, or compile and keep it."""
-        try:
-            with cache.announced(self._entry):
-                return self._compile(signature)
-        except _CACHE_ERRORS:
-            self._entry._cache.flush()
-        with cache.announced(self._entry):
-            return self._compile(signature)
 
 
 _SHARES_CODE = all(hasattr(numba.core.dispatcher.Dispatcher, name) for name in ("_insert", "add_overload"))

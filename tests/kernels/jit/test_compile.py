@@ -1,8 +1,10 @@
 """Entries take read-only arrays as they take others, outlive a broken cache, and are compiled several at once."""
 
 import os
+import pickle
 import subprocess
 import sys
+from functools import partial
 from importlib import import_module
 
 import numpy as np
@@ -156,14 +158,30 @@ def test_other_types_are_refused_where_the_caller_converts(folder):
 # -- the cache -----------------------------------------------------------------------------------------------
 
 
+def with_a_flipped_bit(content, share):
+    changed = bytearray(content)
+    changed[int(share * (len(content) - 1))] ^= 1
+    return bytes(changed)
+
+
+DAMAGES = {
+    "cut short": lambda content: content[:20],
+    "empty": lambda content: b"",
+    "garbled": lambda content: bytes(reversed(content)),
+    "another pickle": lambda content: pickle.dumps(("0", {})),
+    **{f"bit at {share:.0%}": partial(with_a_flipped_bit, share=share) for share in np.linspace(0.0, 1.0, 6)},
+}
+
+
 @needs_compiler
 @pytest.mark.parametrize("which", ["*.nbi", "*.nbc", "*.nb?"])
-def test_a_broken_cache_is_repaired_by_the_first_process(folder, which, tmp_path):
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_broken_cache_is_repaired_by_the_first_process(folder, which, damage, tmp_path):
     folder().total(X, Y)
     files = list((tmp_path / "cache").rglob(which))
     assert files
     for file in files:
-        file.write_bytes(file.read_bytes()[:20])
+        file.write_bytes(DAMAGES[damage](file.read_bytes()))
     assert folder().total(X, Y) == 7.0
     again = folder().total
     assert again(X, Y) == 7.0
