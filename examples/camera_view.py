@@ -1,4 +1,9 @@
-"""A camera on the head keeps the hand in view, wherever the hand goes: an inequality about two points."""
+"""
+A camera keeps the hand in view
+===============================
+
+A camera on the head keeps the hand in view, wherever the hand goes: an inequality about two points.
+"""
 
 from dataclasses import dataclass
 

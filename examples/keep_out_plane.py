@@ -1,4 +1,9 @@
-"""A keep-out plane: the hand follows its reference, and stops at the plane that the reference passes."""
+"""
+A plane that the hand must not pass
+===================================
+
+A keep-out plane: the hand follows its reference, and stops at the plane that the reference passes.
+"""
 
 from dataclasses import dataclass
 

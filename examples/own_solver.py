@@ -1,4 +1,9 @@
-"""An own solver: it tries the bounds that bound the last solution, and asks DAQP only where these have changed."""
+"""
+A solver of your own
+====================
+
+An own solver: it tries the bounds that bound the last solution, and asks DAQP only where these have changed.
+"""
 
 import numpy as np
 import pinocchio as pin
