@@ -145,7 +145,7 @@ class Command:
     def shortfalls(self) -> tuple[Shortfall, ...]:
         """Tasks about points or axes that fall short of their references, by how much, and why.
 
-        A residual A z − b that lasts is an error that rests at |A z − b| / stiffness, so short is the task.
+        A residual A z − b that lasts is an error that rests at ``|A z − b| / stiffness``, so short is the task.
         """
         if self._short is None:
             return ()
