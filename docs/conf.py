@@ -29,7 +29,7 @@ extensions = [
 ]
 exclude_patterns = ["build", "gallery/*.ipynb", "gallery/*.py", "gallery/*.zip"]
 default_role = "py:obj"  # `name` in a docstring
-suppress_warnings = ["config.cache", "ref.python"]  # the gallery's settings hold functions; names that two modules share
+suppress_warnings = ["config.cache", "ref.python"]  # functions in settings; names that two modules share
 
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3

@@ -44,12 +44,13 @@ def write(folder: Path) -> None:
         lines += [f".. currentmodule:: {module}", "", ".. autosummary::", ""]
         lines += [f"   {name}" for name, _ in offered] + [""]
         for name, value in sorted(offered, key=lambda one: (inspect.isclass(one[1]), one[0])):
-            lines += [f".. autoclass:: {name}", "   :members:"] if inspect.isclass(value) else [f".. autofunction:: {name}"]
+            is_class = inspect.isclass(value)
+            lines += [f".. autoclass:: {name}", "   :members:"] if is_class else [f".. autofunction:: {name}"]
             lines += [""]
         _replace(folder / f"{module}.rst", "\n".join(lines))
     _replace(
         folder / "index.md",
-        "# Reference\n\nEvery public name, at the module it is imported from. SI units; six-vectors are linear part first,\n"
+        "# Reference\n\nEvery public name, at the module it is imported from. SI units; six-vectors are linear first,\n"
         "in inertial axes at the point named ({doc}`../conventions`).\n\n```{toctree}\n"
         + "\n".join(MODULES)
         + "\n```\n",

@@ -39,7 +39,8 @@ def blocks_of(page: Path) -> Iterator[Block]:
         if match["next"]:
             file = match["next"]
         elif match["hidden"]:
-            yield Block("python" if match["hidden"] == "python" else "file", match["content"], line, match["file"] or "")
+            language = "python" if match["hidden"] == "python" else "file"
+            yield Block(language, match["content"], line, match["file"] or "")
         else:
             yield Block(match["language"], match["code"], line, file, "measured" in match["remark"])
             file = ""
@@ -55,12 +56,13 @@ def commands_of(block: Block) -> Iterator[tuple[str, str]]:
 def differs(printed: str, page: str, *, measured: bool = False) -> str:
     """Return the first line of a page that is not printed, or nothing; ``…`` stands for any lines, or any text of one.
 
-    Numbers are alike to 2 %. Of errors below 1e-3 the size alone counts, and below 1e-8 any is as good: rounding differs
-    from one machine to the next. How measured figures are broken into lines depends on their length, so lines do not count.
+    Numbers are alike to 2 %. Of errors below 1e-3 the size alone counts, and below 1e-8 any is as good: rounding
+    differs from one machine to the next. Measured figures are broken into lines by their length: lines do not count.
     """
     if measured:
         joined = " ".join(printed.split())
-        return "" if _alike(joined, " ".join(page.split()), measured=True) else f"{page!r} is not what is printed: {printed!r}"
+        same = _alike(joined, " ".join(page.split()), measured=True)
+        return "" if same else f"{page!r} is not what is printed: {printed!r}"
     lines = [" ".join(line.split()) for line in printed.splitlines() if line.strip()]
     skipping, place = False, 0
     for asked in (" ".join(line.split()) for line in page.splitlines() if line.strip()):
