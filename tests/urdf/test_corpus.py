@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import time
 
 import pytest
 from urdf.corpus import VARIANTS
@@ -12,14 +11,7 @@ from urdf.corpus import VARIANTS
 from ospace.cli.main import main
 from ospace.urdf.lint.rules import RULES
 
-SECONDS = 3.0
 SAMPLED = {"smallest-inertia", "base-condition", "point-rank", "dynamic-singularity"}  # reported of every robot
-
-
-@pytest.fixture(scope="module", autouse=True)
-def compiled():
-    """Kernels are compiled before time is taken."""
-    main(["check", "target", "--samples", "1"])
 
 
 @pytest.fixture
@@ -38,9 +30,7 @@ def test_the_corpus_is_large():
 def test_a_variant_has_its_status_and_codes(folder, capfd, variant):
     file = folder / variant.file
     file.write_bytes(variant.content)
-    before = time.process_time()
     status = main(["check", str(file), "--json", "--samples", "1", *variant.options])
-    assert time.process_time() - before < SECONDS
     out, err = capfd.readouterr()
     assert status == variant.status, out + err
     if status == 2:
