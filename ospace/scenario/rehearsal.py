@@ -243,7 +243,7 @@ class _Reach:
     def _task(self, phase: PhaseTable, plan: TaskTable, robot: SpaceRobot, first: float, last: float) -> None:
         task, goal = plan.task(robot), plan.followed
         rows = tuple(row for row in task.rows(robot) if row in _LINEAR)
-        if plan.completion is None or not rows:
+        if plan.completion is None or not rows or (task.own_axes and rows != _LINEAR):
             return
         near = plan.completion.position + _ROUNDING
         if plan.type == "relative_pose" and isinstance(goal, ToPose) and goal.position is not None:
