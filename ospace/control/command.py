@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
@@ -42,6 +42,8 @@ class CommandLayout:
     """(m,) which of six components, or which joint, each row is."""
     task_units: Sequence[str]
     """Of the errors of tasks in Python; empty for others."""
+    own_axes: Sequence[bool]
+    """Of each task, whether its rows are along the axes of its point."""
     allowed: Floats
     """(T, 2) by how much the linear and angular rows of a task may be short."""
 
@@ -158,17 +160,16 @@ class Command:
         for t in map(int, over):
             own = slice(layout.first[t], layout.first[t + 1])
             rows_of_task = TaskResidual(A[own], error[own], residual[own], layout.components_of_rows[own])
-            found.append(
-                shortfall(
-                    layout.tasks[t],
-                    rows_of_task,
-                    short[t],
-                    layout.allowed[t],
-                    binding,
-                    layout.trust_radius,
-                    layout.task_units[t],
-                )
+            why = shortfall(
+                layout.tasks[t],
+                rows_of_task,
+                short[t],
+                layout.allowed[t],
+                binding,
+                layout.trust_radius,
+                layout.task_units[t],
             )
+            found.append(replace(why, own_axes=layout.own_axes[t]))
         return tuple(found)
 
     @cached_property
@@ -228,8 +229,8 @@ class Command:
         Returns
         -------
         direction : (3,)
-            Unit vector, inertial axes: the larger part of the left singular vector of the task's rows at σ_min; zero
-            for a task in Python, whose rows are along no axes.
+            Unit vector, inertial axes, or those of the point where the task is in its axes: the larger part of the left
+            singular vector of the task's rows at σ_min; zero for a task in Python, whose rows are along no axes.
         turning : bool
         """
         t = list(self._layout.tasks).index(task)

@@ -197,6 +197,7 @@ class Controller:
             self._weights.trust_radius,
             self._tasks.rows,
             [task.unit if isinstance(task, CustomTask) else "" for task in self.tasks],
+            [task.own_axes for task in self.tasks],
             allowed,
         )
         self._levels = sorted({task.level for task in self.tasks if task.level is not None})

@@ -65,6 +65,7 @@ def task_tables(robot: SpaceRobot, tasks: Sequence[Task], points: Sequence[Opera
         point,
         np.concatenate([[0], np.cumsum([len(own) for own in rows])]),
         np.concatenate(rows).astype(np.int64),
+        np.array([task.own_axes for task in tasks], dtype=np.int64),
         np.array([task.gain * 2 for task in tasks], dtype=np.float64),
         np.array([task.direction for task in tasks], dtype=np.float64),
         np.zeros((len(tasks), REFERENCE)),

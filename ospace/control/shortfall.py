@@ -40,14 +40,17 @@ class Shortfall:
     distance, angle : float
         By how much position and orientation would rest short of the reference, m and rad; zero without such rows.
     direction : (3,)
-        Unit vector, inertial axes: along which the position is short, or about which the orientation is if it is the
-        shorter of the two, relative to what is allowed; zero for a task in Python.
+        Unit vector, in inertial axes or, with `own_axes`, in those of the task's point: along which the position is
+        short, or about which the orientation is if it is the shorter of the two, relative to what is allowed; zero
+        for a task in Python.
     limits : tuple of str
         What holds it back, as in `Command.active_limits`, the strongest first.
     turning : bool
         Whether `direction` is an axis to turn about.
     unit : str
         Of `distance`: m, or that of a task in Python.
+    own_axes : bool
+        Whether the task's rows are along the axes of its point.
     """
 
     task: str
@@ -58,6 +61,7 @@ class Shortfall:
     limits: tuple[str, ...] = ()
     turning: bool = False
     unit: str = "m"
+    own_axes: bool = False
 
     @property
     def cause(self) -> str:
@@ -71,7 +75,8 @@ class Shortfall:
         short = f"{math.degrees(self.angle):.2g} deg" if self.turning else f"{self.distance:.2g} {self.unit}"
         if not self.direction.any():
             return f"{short} short"
-        return f"{short} short {'about' if self.turning else 'along'} {shown(self.direction)}"
+        axes = " of its own axes" if self.own_axes else ""
+        return f"{short} short {'about' if self.turning else 'along'} {shown(self.direction)}{axes}"
 
     def __str__(self) -> str:
         return f"{self.cause}, {self.size}"

@@ -13,7 +13,8 @@ from ospace.kernels.tasks import tables as kernel
 from ospace.kernels.tree import Floats
 from ospace.model.robot import SpaceRobot
 from ospace.scenario.motion import Approach, FreeMotion, Goal, point_motion, still
-from ospace.scenario.schema import Follow, Hold, Shift, TaskTable, ToMomentum, ToPose
+from ospace.scenario.paths import AlongPath, Path, circle, through
+from ospace.scenario.schema import Follow, Hold, Shift, TaskTable, ToMomentum, ToPose, Via
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +45,12 @@ class Start:
                 raise AssertionError("a target that is held is not followed: refused when the scenario was read")
             point = self.target.robot.point(goal.follow, offset=goal.offset.pose)
             return self._approach(plan, pose, velocity, self.target.frame(point), goal.duration)
+        path = _path(goal, pose)
+        if path is not None:
+            made = AlongPath(
+                path, velocity, duration=goal.duration, first=self.cycle, period=self.period, name=plan.name
+            )
+            return Function(made)
         if goal.duration == 0.0:
             return Constant(self._goal(plan, pose, np.zeros(6))[0])
         there, turn = self._goal(plan, pose, velocity)
@@ -92,3 +99,21 @@ class Start:
         elif task.kind == kernel.CENTRE_OF_MASS:
             velocity[:3] = data.vcom[0]
         return task.initial([pin.SE3(one.rotation[0], one.place[0]) for one in motions], centre), velocity
+
+
+def _path(goal: object, pose: pin.SE3) -> Path | None:
+    """Return the path of a goal that has one, from `pose` on."""
+    if isinstance(goal, Shift) and goal.about is not None:
+        return circle(pose, goal.about, goal.turn, goal.shift, goal.turns_along)
+    if not isinstance(goal, Via):
+        return None
+    poses = [pose]
+    for one in goal.via:
+        last = poses[-1]
+        poses.append(
+            pin.SE3(
+                last.rotation if one.rotation is None else one.rotation,
+                last.translation if one.position is None else one.position,
+            )
+        )
+    return through(poses)

@@ -21,6 +21,7 @@ the goal, by any angle and any number of turns. Where the turn to make is given,
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
@@ -219,8 +220,48 @@ class FreeMotion:
             )
 
 
-class Approach:
-    """Reference from a point's motion to a goal's, by minimum jerk; callable as `control.Function` asks.
+class Tabulated(ABC):
+    """Reference that is computed ahead, cycle by cycle; callable as `control.Function` asks.
+
+    Parameters
+    ----------
+    first : int
+        Control cycle at the start.
+    period : float
+        Of a control cycle, s.
+    name : str
+        Of the task, for errors.
+    """
+
+    def __init__(self, first: int, period: float, name: str) -> None:
+        self._first, self._period, self._name = first, period, name
+        self._table: list[tuple[pin.SE3, Floats, Floats]] = []
+
+    @abstractmethod
+    def _motion(self, begun: int, ended: int) -> Motion:
+        """Return the motion from one cycle after the start to before another."""
+
+    def __call__(self, time: float) -> tuple[pin.SE3, npt.ArrayLike, npt.ArrayLike]:
+        """Return pose, velocity and acceleration at a cycle's time, s."""
+        k = max(0, round(time / self._period) - self._first)
+        while k >= len(self._table):
+            self._extend()
+        return self._table[k]
+
+    def _extend(self) -> None:
+        begun = len(self._table)
+        ended = begun + max(1, round(_AHEAD / self._period))
+        motion = self._motion(begun, ended)
+        if not all(np.isfinite(one).all() for one in motion):
+            raise OspaceError(f"what task '{self._name}' follows is not finite")
+        self._table.extend(
+            (pin.SE3(R, p), v, a)
+            for p, R, v, a in zip(motion.place, motion.rotation, motion.velocity, motion.acceleration, strict=True)
+        )
+
+
+class Approach(Tabulated):
+    """Reference from a point's motion to a goal's, by minimum jerk.
 
     Parameters
     ----------
@@ -252,32 +293,16 @@ class Approach:
         turn: Floats | None = None,
         name: str = "approach",
     ) -> None:
-        self._pose, self._velocity, self._goal, self._name = pose, velocity, goal, name
-        self._first, self._period, self._duration = first, period, duration
-        self._table: list[tuple[pin.SE3, Floats, Floats]] = []
+        super().__init__(first, period, name)
+        self._pose, self._velocity, self._goal, self._duration = pose, velocity, goal, duration
         at = goal(first, first + 1)
         R_g = at.rotation[0]
         self._turn = -(pin.log3(R_g @ pose.rotation.T) if turn is None else turn)
         self._spin = R_g.T @ (velocity[3:] - at.velocity[0, 3:])
 
-    def __call__(self, time: float) -> tuple[pin.SE3, npt.ArrayLike, npt.ArrayLike]:
-        """Return pose, velocity and acceleration at a cycle's time, s."""
-        k = max(0, round(time / self._period) - self._first)
-        while k >= len(self._table):
-            self._extend()
-        return self._table[k]
-
-    def _extend(self) -> None:
-        begun = len(self._table)
-        ended = begun + max(1, round(_AHEAD / self._period))
+    def _motion(self, begun: int, ended: int) -> Motion:
         goal = self._goal(self._first + begun, self._first + ended)
-        motion = self._towards(goal, np.arange(begun, ended, dtype=np.float64) * self._period)
-        if not all(np.isfinite(one).all() for one in motion):
-            raise OspaceError(f"what task '{self._name}' follows is not finite")
-        self._table.extend(
-            (pin.SE3(R, p), v, a)
-            for p, R, v, a in zip(motion.place, motion.rotation, motion.velocity, motion.acceleration, strict=True)
-        )
+        return self._towards(goal, np.arange(begun, ended, dtype=np.float64) * self._period)
 
     def _towards(self, goal: Motion, elapsed: Floats) -> Motion:
         on_way = elapsed < self._duration
@@ -296,18 +321,18 @@ class Approach:
         v = v_0 + rate * left + s * left_rate
         a = curve * left + 2.0 * rate * left_rate + s * A_g[:, :3]
 
-        r, r_1, r_2 = _run_out(t / self._duration)
+        r, r_1, r_2 = run_out(t / self._duration)
         r, r_2 = r * self._duration, r_2 / self._duration
-        F = _exp(omega_0 * t)
+        F = exponentials(omega_0 * t)
         F_T = F.transpose(0, 2, 1)
-        E_1, G, E_2 = _exp((1.0 - s) * self._turn), F_T @ R_g, _exp(r * self._spin)
-        omega_G, setting_in = _turned(F_T, V_g[:, 3:] - omega_0), _turned(G, r_1 * self._spin)
-        y = _turned(E_1, omega_G + setting_in)
-        y_1 = _turned(F_T, A_g[:, 3:] - np.cross(omega_0, V_g[:, 3:])) + np.cross(omega_G, setting_in)
-        y_1 += _turned(G, r_2 * self._spin)
-        w = _turned(F, y - rate * self._turn)
-        w_1 = _turned(E_1, y_1) - curve * self._turn - np.cross(rate * self._turn, y)
-        omega, alpha = omega_0 + w, _turned(F, w_1) + np.cross(omega_0, w)
+        E_1, G, E_2 = exponentials((1.0 - s) * self._turn), F_T @ R_g, exponentials(r * self._spin)
+        omega_G, setting_in = turned(F_T, V_g[:, 3:] - omega_0), turned(G, r_1 * self._spin)
+        y = turned(E_1, omega_G + setting_in)
+        y_1 = turned(F_T, A_g[:, 3:] - np.cross(omega_0, V_g[:, 3:])) + np.cross(omega_G, setting_in)
+        y_1 += turned(G, r_2 * self._spin)
+        w = turned(F, y - rate * self._turn)
+        w_1 = turned(E_1, y_1) - curve * self._turn - np.cross(rate * self._turn, y)
+        omega, alpha = omega_0 + w, turned(F, w_1) + np.cross(omega_0, w)
         return Motion(
             np.concatenate([place, goal.place[n:]]),
             np.concatenate([F @ E_1 @ G @ E_2, goal.rotation[n:]]),
@@ -319,7 +344,7 @@ class Approach:
 # -- rotations, many at once --------------------------------------------------------------------------------------
 
 
-def _run_out(u: Floats) -> tuple[Floats, Floats, Floats]:
+def run_out(u: Floats) -> tuple[Floats, Floats, Floats]:
     """Way, velocity and acceleration of the quintic that is zero at both ends, with rate 1 at the first."""
     return (
         u * (1.0 - u) ** 3 * (1.0 + 3.0 * u),
@@ -328,11 +353,12 @@ def _run_out(u: Floats) -> tuple[Floats, Floats, Floats]:
     )
 
 
-def _turned(R: Floats, x: Floats) -> Floats:
+def turned(R: Floats, x: Floats) -> Floats:
+    """Return R x, row by row: (N, 3, 3), (N, 3)."""
     return np.asarray(np.einsum("kij,kj->ki", R, x))
 
 
-def _exp(x: Floats) -> Floats:
+def exponentials(x: Floats) -> Floats:
     """Return the rotation (N, 3, 3) of each rotation vector (N, 3)."""
     theta = np.linalg.norm(x, axis=1)
     columns = rodrigues(tuple(x.T), np.sinc(theta / np.pi), 0.5 * np.sinc(0.5 * theta / np.pi) ** 2)

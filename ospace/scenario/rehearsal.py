@@ -35,6 +35,7 @@ from ospace.scenario.schema import (
     TaskTable,
     ToMomentum,
     ToPose,
+    Via,
 )
 from ospace.scenario.table import Problem
 from ospace.simulation import grasp
@@ -243,7 +244,7 @@ class _Reach:
     def _task(self, phase: PhaseTable, plan: TaskTable, robot: SpaceRobot, first: float, last: float) -> None:
         task, goal = plan.task(robot), plan.followed
         rows = tuple(row for row in task.rows(robot) if row in _LINEAR)
-        if plan.completion is None or not rows:
+        if plan.completion is None or not rows or (task.own_axes and rows != _LINEAR):
             return
         near = plan.completion.position + _ROUNDING
         if plan.type == "relative_pose" and isinstance(goal, ToPose) and goal.position is not None:
@@ -261,7 +262,7 @@ class _Reach:
             off = own.distance(there, first, last, rows)
             if off > near:
                 self._refuse(phase, plan, f"{_out_of_reach(plan, off)} between {first:g} s and {last:g} s")
-        elif isinstance(goal, Shift):
+        elif isinstance(goal, Shift) and goal.about is None:
             wide = 2.0 * own.radius + float(np.linalg.norm(own.velocity)) * last
             off = float(np.linalg.norm(goal.shift[list(rows)])) - wide - (own.growth * last**2 if own.growth else 0.0)
             if off > near:
@@ -274,8 +275,14 @@ class _Reach:
             return self._of_target(self._target, target.point(goal.follow, offset=goal.offset.pose))
         if isinstance(goal, ToPose) and goal.position is not None:
             return Region.still(goal.position)
+        if isinstance(goal, Via):
+            given = [one.position for one in goal.via if one.position is not None]
+            return Region.still(given[-1]) if given else None
         if isinstance(goal, Shift) and self._first:
-            return Region.still(start.placement(task.points[0]).translation + goal.shift)
+            place = start.placement(task.points[0]).translation
+            if goal.about is not None:
+                place = goal.about + pin.exp3(goal.turn) @ (place - goal.about)
+            return Region.still(place + goal.shift)
         return None
 
     def _of_target(self, state: State, point: OperationalPoint) -> Region:

@@ -93,6 +93,11 @@ class Task(ABC):
     """True where its rows are about the motion of points: rows of a Jacobian."""
 
     @property
+    def own_axes(self) -> bool:
+        """True where its rows are along and about the axes of its point, and not inertial ones."""
+        return False
+
+    @property
     def units(self) -> tuple[str, str] | None:
         """Of the errors of linear and of angular rows; None where it has no error."""
         return "m", "rad"

@@ -28,6 +28,8 @@ class Tasks(NamedTuple):
     """(T + 1,) where the rows of each task begin."""
     rows: Ints
     """(m,) which of the six components, or which joint, each row is."""
+    own_axes: Ints
+    """(T,) 1 for tasks that move a point along and about its own axes."""
     gain: Floats
     """(T, 4) stiffness and damping, linear, then angular."""
     axis: Floats

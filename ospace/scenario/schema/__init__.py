@@ -5,7 +5,7 @@ Names of robots' joints and frames are checked where the robot is known, in `osp
 
 from ospace.scenario.schema.control_tables import LimitsTable
 from ospace.scenario.schema.disturbance_table import ROBOT, TARGET, DisturbanceTable
-from ospace.scenario.schema.goal_tables import Follow, Hold, Shift, ToMomentum, ToPose
+from ospace.scenario.schema.goal_tables import Follow, Hold, Shift, ToMomentum, ToPose, Via
 from ospace.scenario.schema.keys import POSITIONS, RATES
 from ospace.scenario.schema.mass_error_table import MassErrorTable
 from ospace.scenario.schema.noise_table import NoiseTable
@@ -40,5 +40,6 @@ __all__ = [
     "TaskTable",
     "ToMomentum",
     "ToPose",
+    "Via",
     "json_schema",
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -9,8 +10,8 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 from ospace.kernels.tree import Floats
 from ospace.scenario.schema.keys import PoseTable, default_table, vector_field
-from ospace.scenario.table import Either, OneOf, Table, Text
-from ospace.scenario.units import Angles, Lengths, Time, Vector
+from ospace.scenario.table import Array, Either, Flag, OneOf, Problem, Table, Text
+from ospace.scenario.units import Angles, Lengths, Quantity, Time, Vector
 
 
 def _true(value: object) -> object:
@@ -37,7 +38,40 @@ class Shift(Table):
 
     shift: Lengths = vector_field("Displacement, inertial axes")
     turn: Angles = vector_field("Rotation vector, inertial axes")
+    about: Lengths | None = Field(
+        None, description="A place on the axis that the point goes round by the turn: a circle, with a shift a helix"
+    )
+    turns_along: Flag = Field(True, description="On a circle, the point turns along; else it keeps its orientation")
     duration: Time = Field(0.0, description="Of the motion")
+
+    def mistakes(self) -> Iterable[Problem]:
+        """Yield what a circle lacks."""
+        if self.about is None:
+            if "turns_along" in self.model_fields_set:
+                yield self.path("turns_along"), "is of a circle: give about, a place on its axis"
+            return
+        if not self.turn.any():
+            yield self.path("about"), "a circle needs a turn, the rotation vector about its axis"
+        if self.duration == 0.0:
+            yield self.path("duration"), "a circle takes time: give a duration above 0 s"
+
+
+class Via(Table):
+    """Through poses in their order, the last of which is the goal."""
+
+    via: Annotated[list[PoseTable], Array] = Field(
+        description="Poses in the inertial frame; what one leaves out is as in the one before",
+        json_schema_extra={"minItems": 1},
+    )
+    duration: Annotated[float, Quantity("time", above=0.0)] = Field(description="Of the motion")
+
+    def mistakes(self) -> Iterable[Problem]:
+        """Yield whether there is no pose, or one that says nothing."""
+        if not self.via and not self._noted:
+            yield self.path("via"), "give at least one pose"
+        for one in self.via:
+            if one.position is None and one.rotation is None and not one._noted:
+                yield one.key, "give position, rpy or quaternion"
 
 
 class Follow(Table):
@@ -63,9 +97,10 @@ class ToMomentum(Table):
         return np.concatenate([self.linear, self.angular])
 
 
-Goal = Hold | ToPose | Shift | Follow | ToMomentum
+Goal = Hold | ToPose | Shift | Via | Follow | ToMomentum
 _GOALS = {
     "follow": {"follow"},
+    "via": {"via"},
     "shift": {"shift", "turn"},
     "pose": {"position", "rpy", "quaternion"},
     "hold": {"hold"},
@@ -96,8 +131,9 @@ MotionGoal = Annotated[
             "pose": ToPose,
             "shift": Shift,
             "follow": Follow,
+            "via": Via,
         },
-        "give one of: follow; shift or turn; position, rpy or quaternion; hold",
+        "give one of: follow; shift or turn; via; position, rpy or quaternion; hold",
     ),
     AfterValidator(_of_text),
 ]

@@ -23,6 +23,7 @@ from ospace.control import (
     Task,
 )
 from ospace.control.references import Reference
+from ospace.control.tasks.pose import AXES_IN
 from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
 from ospace.model.points import Axes, OperationalPoint, parse_axes
@@ -187,6 +188,10 @@ _KEYS: dict[str, Any] = {
     "offset": (PoseTable, default_table(PoseTable, "Of the point, as seen from the frame")),
     "seen_from": (Text, Field(description="The frame that the pose is seen from")),
     "axes": (AxesKey | None, Field(None, description="Which of six components; if left out, all that the type has")),
+    "axes_in": (
+        Annotated[Literal["inertial", "point"], OneOf(AXES_IN)],
+        Field("inertial", description="Whose axes these are; what is not taken in those of the point is free to roll"),
+    ),
     "axis": (
         Annotated[Floats, Vector("number"), AfterValidator(_direction)],
         vector_field("What looks, in the point's axes", 1.0),
