@@ -1,0 +1,294 @@
+"""The part of a robot that a map moves: a hand, the joints that vary and their ranges; all else stands still.
+
+Joints that do not vary are locked, so that J_m*, J_b* and H_m* are those of the joints that do. Lengths of the locked
+robot are counted in a characteristic length L, so that its Jacobian mixes no metres with radians: L is the length of
+the arm, from the first joint that varies along the way to the hand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from ospace.checks import check_kind, checked_numbers, checked_vector
+from ospace.dynamics.batch import OperationalSpaceBatch, operational_space_batch
+from ospace.exceptions import OspaceError
+from ospace.kernels.tree import Floats
+from ospace.model.joint_positions import unit_of
+from ospace.model.points import OperationalPoint, points_of
+from ospace.model.robot import SpaceRobot
+from ospace.urdf.coupling import Following, couple
+
+_WIDEST = np.pi
+"""Of a range on either side of zero where the file has no limit, rad or m."""
+_PILOT = 512
+_NOTHING = 1e-9
+"""Rows and singular values of J_m* below this share of the largest count as zero."""
+
+
+@dataclass(frozen=True)
+class Posture:
+    """The hand of an arm in N postures, base at the origin and level, momentum zero.
+
+    Attributes
+    ----------
+    hand, centre : (N, 3)
+        Place of the hand and of the robot's mass centre in the base frame, m.
+    J_m_star : (N, 6, n)
+        Generalized Jacobian of the hand, inertial axes; in L per unit of the joint, and rad per unit of the joint.
+        A joint that slides counts in L.
+    J_b_star : (N, 6, n)
+        Of the base, likewise.
+    """
+
+    hand: Floats
+    centre: Floats
+    J_m_star: Floats
+    J_b_star: Floats
+
+    @property
+    def from_centre(self) -> Floats:
+        """Place of the hand seen from the mass centre, (N, 3), m: inertial axes while the base is level."""
+        return np.asarray(self.hand - self.centre)
+
+
+class Arm:
+    """A hand, and the joints of a robot that vary.
+
+    Parameters
+    ----------
+    robot : SpaceRobot
+    point : OperationalPoint
+        The hand. Its rows are those of J_m* whose singularities count.
+    joints : sequence of str, optional
+        Names of joints that vary, of one degree of freedom each; those between base and hand without it.
+    ranges : mapping of str to (low, high), optional
+        Of joints that vary, rad or m; their limits without it, and ±π where there is none. What is given counts,
+        also beyond limits.
+    at : (nq,), optional
+        Where other joints stand, and from where paths begin; `robot.neutral()` without it. The base's pose does not
+        count.
+
+    Attributes
+    ----------
+    robot, point, joints
+        As given.
+    lower, upper : (n,)
+        Ranges; rad, m.
+    home : (n,)
+        Posture of the joints that vary in `at`.
+    length : float
+        L, m.
+    units : tuple of str
+        Of each joint: "rad" or "m".
+    scale : (n,)
+        Of each joint, in whose multiples it is counted: L for one that slides, 1 for others.
+    locked : SpaceRobot
+        The robot with only these joints, lengths in L.
+
+    Raises
+    ------
+    OspaceError
+        A joint is unknown, has several degrees of freedom or mimics another, a range is empty, or nothing varies.
+    """
+
+    def __init__(
+        self,
+        robot: SpaceRobot,
+        point: OperationalPoint,
+        joints: Iterable[str] | None = None,
+        ranges: Mapping[str, tuple[float, float]] | None = None,
+        at: npt.ArrayLike | None = None,
+    ) -> None:
+        check_kind(robot, SpaceRobot, "read it with SpaceRobot.from_urdf(path)")
+        (self.point,) = points_of(robot, point)
+        self.robot = robot
+        self.at = robot.neutral() if at is None else checked_vector(at, robot.nq, "at", robot.name)
+        self.at[:7] = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0
+        self.joints = _varying(robot, self.point, joints)
+        self._numbers = [robot.joint_number(name) for name in self.joints]
+        self.units = tuple(unit_of(robot.model.joints[j]) for j in self._numbers)
+        self.home = np.array([float(robot.joint_positions(self.at)[name]) for name in self.joints])
+        self.lower, self.upper = _ranges(robot, self._numbers, self.joints, ranges or {})
+        self.length = _length(robot, self.point, self._numbers)
+        self.locked, self._hand = _lock(robot, self.point, self.joints, self.at, self.length)
+        self._columns = _places(self.locked, self.joints)
+        self.scale = np.array([self.length if unit == "m" else 1.0 for unit in self.units])
+
+    def __repr__(self) -> str:
+        return f"Arm('{self.robot.name}', '{self.point.frame}', joints={len(self.joints)})"
+
+    # -- configurations --------------------------------------------------------------------------------------
+
+    def configurations(self, x: Floats) -> Floats:
+        """Return configurations (N, nq) of the robot, base at the origin, from postures (N, n)."""
+        return _with_joints(np.tile(self.at, (len(x), 1)), _places(self.robot, self.joints), x)
+
+    def locked_configurations(self, x: Floats) -> Floats:
+        """Return configurations of the locked robot, lengths in L, from postures (N, n)."""
+        Q = np.zeros((len(x), self.locked.nq))
+        Q[:, 6] = 1.0
+        return _with_joints(Q, self._columns, x / self.scale)
+
+    def draw(self, rng: np.random.Generator, count: int) -> Floats:
+        """Draw postures (count, n), even over the ranges."""
+        return self.lower + (self.upper - self.lower) * rng.random((count, len(self.joints)))
+
+    # -- what it does there ----------------------------------------------------------------------------------
+
+    def batch(self, x: Floats, quantities: tuple[str, ...], V: Floats | None = None) -> OperationalSpaceBatch:
+        """Compute quantities of the locked robot, lengths in L; rows of the Jacobian are `rows`."""
+        return operational_space_batch(self.locked, self._rows_point, self.locked_configurations(x), V, quantities)
+
+    def posture(self, x: Floats) -> Posture:
+        """Compute where the hand and the mass centre are, J_m* and J_b*, of postures (N, n)."""
+        quantities = ("placement", "centre_of_mass", "generalized_jacobian", "base_generalized_jacobian")
+        found = operational_space_batch(self.locked, self._hand, self.locked_configurations(x), None, quantities)
+        placement, centre = found.placement, found.centre_of_mass
+        J_m_star, J_b_star = found.generalized_jacobian, found.base_generalized_jacobian
+        assert placement is not None and centre is not None and J_m_star is not None and J_b_star is not None
+        return Posture(self.length * placement[:, 0, :3], self.length * centre, J_m_star, J_b_star)
+
+    @cached_property
+    def rows(self) -> tuple[bool, ...]:
+        """Rows of J_m* that count: those of the point, but for those that no joint moves the hand along."""
+        pilot = self.posture(self.draw(np.random.default_rng(0), _PILOT)).J_m_star
+        moved = np.abs(pilot).max(axis=(0, 2))
+        taken = np.array(self.point.axes) & (moved > _NOTHING * moved.max(initial=0.0))
+        return tuple(map(bool, taken)) if taken.any() else self.point.axes
+
+    @cached_property
+    def rank(self) -> int:
+        """Rank of these rows in almost all postures: the hand is singular where theirs is lower."""
+        pilot = self.posture(self.draw(np.random.default_rng(0), _PILOT)).J_m_star[:, list(self.rows)]
+        values = np.linalg.svd(pilot, compute_uv=False)
+        return int((values > _NOTHING * values[:, :1]).sum(axis=1).max(initial=0))
+
+    @cached_property
+    def _rows_point(self) -> OperationalPoint:
+        return OperationalPoint(self.locked, self._hand.frame, self.rows, self._hand.joint, self._hand.placement)
+
+
+def _places(robot: SpaceRobot, joints: Iterable[str]) -> list[tuple[int, bool]]:
+    """Return where the position of each joint stands in q, and whether as cosine and sine."""
+    numbers = [robot.joint_number(name) for name in joints]
+    return [(int(robot.model.idx_qs[j]), robot.model.nqs[j] == 2) for j in numbers]
+
+
+def _with_joints(Q: Floats, places: list[tuple[int, bool]], x: Floats) -> Floats:
+    for (k, turns), column in zip(places, x.T, strict=True):
+        if turns:
+            Q[:, k], Q[:, k + 1] = np.cos(column), np.sin(column)
+        else:
+            Q[:, k] = column
+    return Q
+
+
+def _varying(robot: SpaceRobot, point: OperationalPoint, joints: Iterable[str] | None) -> tuple[str, ...]:
+    """Return the names of the joints that vary, from the base outward; raise where they cannot."""
+    on_the_way = set(robot.model.supports[point.joint])
+    if joints is None:
+        moved = {robot.model.idx_vs[j] for j in on_the_way if robot.model.nvs[j] or robot.free is not None}
+        names = [name for name in robot.joint_names if robot.model.idx_vs[robot.joint_number(name)] in moved]
+        if not names:
+            raise OspaceError(f"no joint stands between the base and '{point.frame}': name joints that vary, or another point")
+    else:
+        given = (joints,) if isinstance(joints, str) else tuple(joints)
+        for name in given:
+            robot.joint_number(name)
+        names = [name for name in robot.joint_names if name in given]
+        if not names:
+            raise OspaceError("joints is empty: name some that vary, or leave it out for those between base and hand")
+    for name in names:
+        joint = robot.model.joints[robot.joint_number(name)]
+        kind = joint.shortname().removeprefix("JointModel")
+        if joint.nv != 1 or not kind.startswith(("R", "P")):
+            raise OspaceError(
+                f"joint '{name}' is of type {kind}: a map varies joints that turn or slide; name these, and it stands still"
+            )
+    return tuple(names)
+
+
+def _ranges(
+    robot: SpaceRobot, numbers: list[int], joints: tuple[str, ...], given: Mapping[str, tuple[float, float]]
+) -> tuple[Floats, Floats]:
+    for name in given:
+        if name not in joints:
+            robot.joint_number(name)
+            raise OspaceError(f"a range is given for joint '{name}', which does not vary: {', '.join(joints)} do")
+    pairs = []
+    for name, j in zip(joints, numbers, strict=True):
+        low, high = -_WIDEST, _WIDEST
+        if robot.model.nqs[j] == 1:
+            k = robot.model.idx_qs[j]
+            low, high = float(robot.model.lowerPositionLimit[k]), float(robot.model.upperPositionLimit[k])
+            if not low <= high:
+                low, high = -np.inf, np.inf
+            if high - low > 4.0 * _WIDEST or not np.isfinite(high - low):  # more than two turns: as without limits
+                low, high = max(low, min(-_WIDEST, high - 2.0 * _WIDEST)), min(high, max(_WIDEST, low + 2.0 * _WIDEST))
+        if name in given:
+            pair = checked_numbers(given[name], f"range of joint '{name}'")
+            if pair.shape != (2,):
+                raise OspaceError(f"range of joint '{name}' is {given[name]!r}: give low and high")
+            low, high = map(float, pair)
+        if not low < high:
+            raise OspaceError(f"range of joint '{name}' is empty, {low:g} to {high:g}: give low below high, or let it not vary")
+        pairs.append((low, high))
+    lower, upper = np.array(pairs).T
+    return lower, upper
+
+
+def _length(robot: SpaceRobot, point: OperationalPoint, numbers: list[int]) -> float:
+    """Return the length of the way from the first joint that varies to the hand; of the whole way where none is on it."""
+    way = [j for j in robot.model.supports[point.joint] if j > 1]
+    first = next((k for k, j in enumerate(way) if j in numbers), 0)
+    beyond = [float(np.linalg.norm(robot.model.jointPlacements[j].translation)) for j in way[first + 1 :]]
+    return sum(beyond) + float(np.linalg.norm(point.placement.translation)) or 1.0
+
+
+def _lock(
+    robot: SpaceRobot, point: OperationalPoint, joints: tuple[str, ...], at: Floats, length: float
+) -> tuple[SpaceRobot, OperationalPoint]:
+    """Return the robot with all but some joints locked, lengths in `length`, and the hand on it, all rows."""
+    whole = robot if robot.free is None else robot.free
+    followers = {} if robot.free is None else robot.free.followers
+    q = at if robot.free is None else robot.free.configuration(at)
+    moving = {*joints, *(name for name, one in followers.items() if one.leader in joints)}
+    model = pin.Model(whole.model)
+    hand = "hand of a map"
+    model.addFrame(pin.Frame(hand, point.joint, 0, point.placement, pin.FrameType.OP_FRAME))
+    locked = [j for j in range(2, model.njoints) if model.names[j] not in moving]
+    reduced = pin.buildReducedModel(model, locked, q)
+    unit = {j: unit_of(reduced.joints[j]) for j in range(2, reduced.njoints)}
+    for j in range(1, reduced.njoints):
+        inertia = reduced.inertias[j]
+        reduced.inertias[j] = pin.Inertia(inertia.mass, inertia.lever / length, inertia.inertia / length**2)
+        reduced.jointPlacements[j] = _scaled(reduced.jointPlacements[j], length)
+        if j > 1 and unit[j] == "rad":
+            k = reduced.idx_vs[j]
+            armature = np.array(reduced.armature)
+            armature[k : k + reduced.nvs[j]] /= length**2
+            reduced.armature = armature
+    for frame in reduced.frames:
+        frame.placement = _scaled(frame.placement, length)
+    if moving != set(joints):
+        kept = {}
+        for name, one in followers.items():
+            if one.leader in joints:
+                own, leader = (
+                    length if unit[reduced.getJointId(joint)] == "m" else 1.0 for joint in (name, one.leader)
+                )
+                kept[name] = Following(one.leader, one.ratio * leader / own, one.offset / own)
+        reduced = couple(reduced, kept)
+    made = SpaceRobot(reduced)
+    frame = made.model.frames[made.model.getFrameId(hand)]
+    return made, OperationalPoint(made, hand, (True,) * 6, int(frame.parentJoint), pin.SE3(frame.placement))
+
+
+def _scaled(placement: pin.SE3, length: float) -> pin.SE3:
+    return pin.SE3(placement.rotation, placement.translation / length)
