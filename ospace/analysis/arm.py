@@ -16,7 +16,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from ospace.checks import check_kind, checked_numbers, checked_vector
-from ospace.dynamics.batch import OperationalSpaceBatch, operational_space_batch
+from ospace.dynamics.batch import operational_space_batch
 from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
 from ospace.model.joint_positions import unit_of
@@ -26,6 +26,8 @@ from ospace.urdf.coupling import Following, couple
 
 _WIDEST = np.pi
 """Of a range on either side of zero where the file has no limit, rad or m."""
+_NO_RATE = 1e6
+"""rad/s or m/s: files write 1e9 for a limit that is never reached."""
 _PILOT = 512
 _NOTHING = 1e-9
 """Rows and singular values of J_m* below this share of the largest count as zero."""
@@ -56,6 +58,11 @@ class Posture:
         """Place of the hand seen from the mass centre, (N, 3), m: inertial axes while the base is level."""
         return np.asarray(self.hand - self.centre)
 
+    def level_jacobian(self, length: float) -> Floats:
+        """Return the derivative of `from_centre` by the joints with the base held level, (N, 3, n), in `length` as L."""
+        turn = np.cross(self.from_centre[:, None] / length, self.J_b_star[:, 3:].transpose(0, 2, 1)).transpose(0, 2, 1)
+        return np.asarray(self.J_m_star[:, :3] + turn)
+
 
 class Arm:
     """A hand, and the joints of a robot that vary.
@@ -84,6 +91,8 @@ class Arm:
         Posture of the joints that vary in `at`.
     length : float
         L, m.
+    rates : (n,)
+        Rate limits, and 1 where there is none; rad/s, m/s.
     units : tuple of str
         Of each joint: "rad" or "m".
     scale : (n,)
@@ -115,6 +124,7 @@ class Arm:
         self.units = tuple(unit_of(robot.model.joints[j]) for j in self._numbers)
         self.home = np.array([float(robot.joint_positions(self.at)[name]) for name in self.joints])
         self.lower, self.upper = _ranges(robot, self._numbers, self.joints, ranges or {})
+        self.rates = _rates(robot, self._numbers)
         self.length = _length(robot, self.point, self._numbers)
         self.locked, self._hand = _lock(robot, self.point, self.joints, self.at, self.length)
         self._columns = _places(self.locked, self.joints)
@@ -141,10 +151,6 @@ class Arm:
 
     # -- what it does there ----------------------------------------------------------------------------------
 
-    def batch(self, x: Floats, quantities: tuple[str, ...], V: Floats | None = None) -> OperationalSpaceBatch:
-        """Compute quantities of the locked robot, lengths in L; rows of the Jacobian are `rows`."""
-        return operational_space_batch(self.locked, self._rows_point, self.locked_configurations(x), V, quantities)
-
     def posture(self, x: Floats) -> Posture:
         """Compute where the hand and the mass centre are, J_m* and J_b*, of postures (N, n)."""
         quantities = ("placement", "centre_of_mass", "generalized_jacobian", "base_generalized_jacobian")
@@ -153,6 +159,42 @@ class Arm:
         J_m_star, J_b_star = found.generalized_jacobian, found.base_generalized_jacobian
         assert placement is not None and centre is not None and J_m_star is not None and J_b_star is not None
         return Posture(self.length * placement[:, 0, :3], self.length * centre, J_m_star, J_b_star)
+
+    def base_rotation(self, x: Floats, rates: Floats) -> Floats:
+        """Compute the base's angular velocity (N, 3), base axes, of rates (N, n) in postures (N, n); rates in `scale`."""
+        J_b_star = self._of_locked("base_generalized_jacobian", x)
+        return np.asarray(np.einsum("kij,kj->ki", J_b_star[:, 3:], rates))
+
+    def singular_values(self, x: Floats) -> Floats:
+        """Compute the singular values (N, min(r, n)) of J_m*, rows `rows`, of postures (N, n)."""
+        frame = OperationalPoint(self.locked, self._hand.frame, self.rows, self._hand.joint, self._hand.placement)
+        Q = self.locked_configurations(x)
+        found = operational_space_batch(self.locked, frame, Q, None, ("singular_values",)).singular_values
+        return np.asarray(found)
+
+    def generalized_inertia(self, x: Floats) -> Floats:
+        """Compute H_m* (N, n, n) of postures (N, n), kg L²; a joint that slides counts in L."""
+        return self._of_locked("generalized_inertia", x)
+
+    def inertia(self, x: Floats, centre: Floats) -> Floats:
+        """Compute the robot's inertia (N, 3, 3) about its mass centre (N, 3) m, of postures (N, n); base axes, kg m²."""
+        columns = []
+        for spin in np.eye(3):
+            V = np.zeros((len(x), self.locked.nv))
+            V[:, 3:6] = spin
+            M_0 = self._of_locked("momentum", x, V)
+            columns.append(self.length**2 * M_0[:, 3:] - self.length * np.cross(centre, M_0[:, :3]))
+        return np.stack(columns, axis=-1)
+
+    def _of_locked(self, quantity: str, x: Floats, V: Floats | None = None) -> Floats:
+        Q = self.locked_configurations(x)
+        return np.asarray(getattr(operational_space_batch(self.locked, self._hand, Q, V, (quantity,)), quantity))
+
+    @cached_property
+    def span(self) -> float:
+        """From the origin of the base to the hand: as far as in any of many postures."""
+        hand = self.posture(self.draw(np.random.default_rng(0), _PILOT)).hand
+        return float(np.linalg.norm(hand, axis=1).max()) or 1.0
 
     @cached_property
     def rows(self) -> tuple[bool, ...]:
@@ -168,10 +210,6 @@ class Arm:
         pilot = self.posture(self.draw(np.random.default_rng(0), _PILOT)).J_m_star[:, list(self.rows)]
         values = np.linalg.svd(pilot, compute_uv=False)
         return int((values > _NOTHING * values[:, :1]).sum(axis=1).max(initial=0))
-
-    @cached_property
-    def _rows_point(self) -> OperationalPoint:
-        return OperationalPoint(self.locked, self._hand.frame, self.rows, self._hand.joint, self._hand.placement)
 
 
 def _places(robot: SpaceRobot, joints: Iterable[str]) -> list[tuple[int, bool]]:
@@ -241,6 +279,11 @@ def _ranges(
         pairs.append((low, high))
     lower, upper = np.array(pairs).T
     return lower, upper
+
+
+def _rates(robot: SpaceRobot, numbers: list[int]) -> Floats:
+    limits = np.array([float(robot.model.velocityLimit[robot.model.idx_vs[j]]) for j in numbers])
+    return np.where((limits > 0.0) & (limits < _NO_RATE), limits, 1.0)
 
 
 def _length(robot: SpaceRobot, point: OperationalPoint, numbers: list[int]) -> float:

@@ -18,7 +18,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from ospace.kernels.tree import Floats
+from ospace.kernels.tree import Floats, Ints
 
 Bools = npt.NDArray[np.bool_]
 
@@ -54,8 +54,8 @@ class Linear:
 class Problem(Protocol):
     """What is raised, and what is to hold meanwhile."""
 
-    def linear(self, x: Floats) -> Linear:
-        """Return objective and constraints of postures (K, n), to first order."""
+    def linear(self, x: Floats, which: Ints) -> Linear:
+        """Return objective and constraints of postures (K, n), to first order; `which` (K,) of those given they are."""
 
     def at(self, x: Floats, frame: Any) -> tuple[Floats, Floats]:
         """Return f (K,) and c (K, m) of postures near those of `frame`."""
@@ -72,7 +72,7 @@ def restore(problem: Problem, x: Floats, lower: Floats, upper: Floats, tolerance
     """
     x, away = x.copy(), np.arange(len(x))
     for _ in range(_RESTORATIONS):
-        here = problem.linear(x[away])
+        here = problem.linear(x[away], away)
         off = np.abs(here.c).max(axis=1, initial=0.0) > tolerance
         away, at, A, c = away[off], x[away[off]], here.A[off], here.c[off]
         if not len(away):
@@ -84,7 +84,7 @@ def restore(problem: Problem, x: Floats, lower: Floats, upper: Floats, tolerance
         x[away] = np.clip(at + step, lower, upper)
     found = np.ones(len(x), dtype=bool)
     if len(away):
-        found[away] = np.abs(problem.linear(x[away]).c).max(axis=1, initial=0.0) <= tolerance
+        found[away] = np.abs(problem.linear(x[away], away).c).max(axis=1, initial=0.0) <= tolerance
     return x, found
 
 
@@ -98,13 +98,13 @@ def ascend(
     x, f : (K, n), (K,)
         Where they end, and f there; the constraints hold to `tolerance`.
     """
-    x, f = x.copy(), problem.linear(x).f
     going = np.arange(len(x))
+    x, f = x.copy(), problem.linear(x, going).f
     alpha = np.ones(len(x))
     before: tuple[Floats, Floats] | None = None
     for _ in range(iterations):
         begin, width = x[going], alpha[going]
-        here = problem.linear(begin)
+        here = problem.linear(begin, going)
         d, inverse = _way_up(here, begin, lower, upper)
         if before is not None:
             s, y = begin - before[0], d - before[1]
@@ -114,7 +114,9 @@ def ascend(
         step *= np.minimum(1.0, _LONGEST / np.maximum(np.abs(step).max(axis=1, keepdims=True), 1e-300))
         tried = np.clip(begin + step, lower, upper)
         f_tried, c = problem.at(tried, here.frame)
-        for _ in range(_BACK if c.shape[1] else 0):
+        for _ in range(_BACK):
+            if np.abs(c).max(initial=0.0) <= 0.1 * tolerance:
+                break
             tried = np.clip(tried - np.einsum("kim,km->ki", inverse, c), lower, upper)
             f_tried, c = problem.at(tried, here.frame)
         good = (np.abs(c).max(axis=1, initial=0.0) <= tolerance) & (f_tried > here.f)

@@ -29,8 +29,7 @@ import numpy as np
 
 from ospace.analysis.arm import Arm
 from ospace.analysis.constrained_ascent import Linear, ascend, restore
-from ospace.checks import check_kind
-from ospace.exceptions import OspaceError
+from ospace.checks import check_kind, check_whole
 from ospace.kernels.tree import Floats, Ints
 
 _SAMPLES, _BINS = 8192, 48
@@ -104,9 +103,8 @@ def workspaces(arm: Arm, *, starts: int = _STARTS, seed: int = 0) -> Workspaces:
         `starts` or `seed` is no such number.
     """
     check_kind(arm, Arm, "make it with analysis.Arm(robot, point)")
-    for name, number, least in (("starts", starts, 1), ("seed", seed, 0)):
-        if not isinstance(number, int | np.integer) or number < least:
-            raise OspaceError(f"{name} is {number!r}: give a whole number from {least} on")
+    check_whole("starts", starts, 1)
+    check_whole("seed", seed, 0)
     rng = np.random.default_rng([seed, 1])
     x = np.vstack([arm.home[None].clip(arm.lower, arm.upper), _corners(arm, rng), arm.draw(rng, _SAMPLES)])
     posture = arm.posture(x)
@@ -162,7 +160,7 @@ class _Radius:
     def __init__(self, arm: Arm, sign: float) -> None:
         self.arm, self.sign = arm, sign
 
-    def linear(self, x: Floats) -> Linear:
+    def linear(self, x: Floats, which: Ints) -> Linear:
         n = x.shape[1]
         posture = self.arm.posture(x)
         rho = posture.from_centre / self.arm.length
@@ -193,7 +191,7 @@ class _SingularRadius:
         self.arm, self.sign = arm, sign
         self._radius = _Radius(arm, sign)
 
-    def linear(self, x: Floats) -> Linear:
+    def linear(self, x: Floats, which: Ints) -> Linear:
         K, n = x.shape
         around = x[:, None] + _STEP * self.arm.scale * np.vstack([np.zeros(n), np.eye(n), -np.eye(n)])[None]
         posture = self.arm.posture(around.reshape(-1, n))
