@@ -19,7 +19,7 @@ from ospace.checks import check_kind, checked_numbers, checked_vector
 from ospace.dynamics.batch import operational_space_batch
 from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
-from ospace.model.joint_positions import unit_of
+from ospace.model.joint_positions import joint_units, unit_of
 from ospace.model.points import OperationalPoint, points_of
 from ospace.model.robot import SpaceRobot
 from ospace.urdf.coupling import Following, couple
@@ -59,7 +59,7 @@ class Posture:
         return np.asarray(self.hand - self.centre)
 
     def level_jacobian(self, length: float) -> Floats:
-        """Return the derivative of `from_centre` by the joints with the base held level, (N, 3, n), in `length` as L."""
+        """Return the derivative of `from_centre` by the joints, the base held level, (N, 3, n), in `length` as L."""
         turn = np.cross(self.from_centre[:, None] / length, self.J_b_star[:, 3:].transpose(0, 2, 1)).transpose(0, 2, 1)
         return np.asarray(self.J_m_star[:, :3] + turn)
 
@@ -155,13 +155,11 @@ class Arm:
         """Compute where the hand and the mass centre are, J_m* and J_b*, of postures (N, n)."""
         quantities = ("placement", "centre_of_mass", "generalized_jacobian", "base_generalized_jacobian")
         found = operational_space_batch(self.locked, self._hand, self.locked_configurations(x), None, quantities)
-        placement, centre = found.placement, found.centre_of_mass
-        J_m_star, J_b_star = found.generalized_jacobian, found.base_generalized_jacobian
-        assert placement is not None and centre is not None and J_m_star is not None and J_b_star is not None
-        return Posture(self.length * placement[:, 0, :3], self.length * centre, J_m_star, J_b_star)
+        hand, centre, J_m_star, J_b_star = (np.asarray(getattr(found, name)) for name in quantities)
+        return Posture(self.length * hand[:, 0, :3], self.length * centre, J_m_star, J_b_star)
 
     def base_rotation(self, x: Floats, rates: Floats) -> Floats:
-        """Compute the base's angular velocity (N, 3), base axes, of rates (N, n) in postures (N, n); rates in `scale`."""
+        """Compute the base's angular velocity (N, 3), base axes, of postures and rates (N, n); rates in `scale`."""
         J_b_star = self._of_locked("base_generalized_jacobian", x)
         return np.asarray(np.einsum("kij,kj->ki", J_b_star[:, 3:], rates))
 
@@ -177,7 +175,7 @@ class Arm:
         return self._of_locked("generalized_inertia", x)
 
     def inertia(self, x: Floats, centre: Floats) -> Floats:
-        """Compute the robot's inertia (N, 3, 3) about its mass centre (N, 3) m, of postures (N, n); base axes, kg m²."""
+        """Compute the inertia (N, 3, 3) about the mass centre (N, 3) of the robot, base axes, of postures; kg m²."""
         columns = []
         for spin in np.eye(3):
             V = np.zeros((len(x), self.locked.nv))
@@ -199,10 +197,20 @@ class Arm:
     @cached_property
     def rows(self) -> tuple[bool, ...]:
         """Rows of J_m* that count: those of the point, but for those that no joint moves the hand along."""
+        taken = np.array(self.point.axes) & self._moved
+        return tuple(map(bool, taken)) if taken.any() else self.point.axes
+
+    @cached_property
+    def planar(self) -> bool:
+        """Whether hand and base move in a plane, along two directions, and turn about the third alone."""
+        return bool((self._moved[:3].sum(), self._moved[3:].sum()) == (2, 1) and self._moved[:3] @ self._moved[3:] == 0)
+
+    @cached_property
+    def _moved(self) -> npt.NDArray[np.bool_]:
+        """Which directions the hand moves along."""
         pilot = self.posture(self.draw(np.random.default_rng(0), _PILOT)).J_m_star
         moved = np.abs(pilot).max(axis=(0, 2))
-        taken = np.array(self.point.axes) & (moved > _NOTHING * moved.max(initial=0.0))
-        return tuple(map(bool, taken)) if taken.any() else self.point.axes
+        return np.asarray(moved > _NOTHING * moved.max(initial=0.0))
 
     @cached_property
     def rank(self) -> int:
@@ -234,7 +242,9 @@ def _varying(robot: SpaceRobot, point: OperationalPoint, joints: Iterable[str] |
         moved = {robot.model.idx_vs[j] for j in on_the_way if robot.model.nvs[j] or robot.free is not None}
         names = [name for name in robot.joint_names if robot.model.idx_vs[robot.joint_number(name)] in moved]
         if not names:
-            raise OspaceError(f"no joint stands between the base and '{point.frame}': name joints that vary, or another point")
+            raise OspaceError(
+                f"no joint stands between the base and '{point.frame}': name joints that vary, or another point"
+            )
     else:
         given = (joints,) if isinstance(joints, str) else tuple(joints)
         for name in given:
@@ -247,7 +257,7 @@ def _varying(robot: SpaceRobot, point: OperationalPoint, joints: Iterable[str] |
         kind = joint.shortname().removeprefix("JointModel")
         if joint.nv != 1 or not kind.startswith(("R", "P")):
             raise OspaceError(
-                f"joint '{name}' is of type {kind}: a map varies joints that turn or slide; name these, and it stands still"
+                f"joint '{name}' is of type {kind}: name joints that turn or slide, and this one stands still"
             )
     return tuple(names)
 
@@ -275,7 +285,9 @@ def _ranges(
                 raise OspaceError(f"range of joint '{name}' is {given[name]!r}: give low and high")
             low, high = map(float, pair)
         if not low < high:
-            raise OspaceError(f"range of joint '{name}' is empty, {low:g} to {high:g}: give low below high, or let it not vary")
+            raise OspaceError(
+                f"range of joint '{name}' is empty, {low:g} to {high:g}: give low below high, or let it not vary"
+            )
         pairs.append((low, high))
     lower, upper = np.array(pairs).T
     return lower, upper
@@ -287,7 +299,7 @@ def _rates(robot: SpaceRobot, numbers: list[int]) -> Floats:
 
 
 def _length(robot: SpaceRobot, point: OperationalPoint, numbers: list[int]) -> float:
-    """Return the length of the way from the first joint that varies to the hand; of the whole way where none is on it."""
+    """Return the length of the way from the first joint that varies to the hand; of all where none is on it."""
     way = [j for j in robot.model.supports[point.joint] if j > 1]
     first = next((k for k, j in enumerate(way) if j in numbers), 0)
     beyond = [float(np.linalg.norm(robot.model.jointPlacements[j].translation)) for j in way[first + 1 :]]
@@ -300,35 +312,38 @@ def _lock(
     """Return the robot with all but some joints locked, lengths in `length`, and the hand on it, all rows."""
     whole = robot if robot.free is None else robot.free
     followers = {} if robot.free is None else robot.free.followers
-    q = at if robot.free is None else robot.free.configuration(at)
     moving = {*joints, *(name for name, one in followers.items() if one.leader in joints)}
-    model = pin.Model(whole.model)
+    model, data = whole.model, whole.model.createData()
+    pin.forwardKinematics(model, data, at if robot.free is None else robot.free.configuration(at))
+    locked = pin.Model()
+    locked.name = model.name
+    body: dict[int, tuple[int, pin.SE3]] = {0: (0, pin.SE3.Identity())}  # the joint that carries it, and where
+    armature = []
+    for j in range(1, model.njoints):
+        parent, at_parent = body[model.parents[j]]
+        if j == 1 or model.names[j] in moving:
+            joint = model.joints[j]
+            placement = _scaled(at_parent * model.jointPlacements[j], length)
+            body[j] = locked.addJoint(parent, joint, placement, model.names[j]), pin.SE3.Identity()
+            size = 1.0 if j == 1 or unit_of(joint) == "m" else length**2
+            armature.extend(model.armature[joint.idx_v : joint.idx_v + joint.nv] / size)
+        else:
+            body[j] = parent, at_parent * data.liMi[j]
+        carrier, placement = body[j]
+        inertia = placement.act(model.inertias[j])
+        own = pin.Inertia(inertia.mass, inertia.lever / length, inertia.inertia / length**2)
+        locked.appendBodyToJoint(carrier, own, pin.SE3.Identity())
+    locked.armature = np.array(armature)
+    carrier, placement = body[point.joint]
     hand = "hand of a map"
-    model.addFrame(pin.Frame(hand, point.joint, 0, point.placement, pin.FrameType.OP_FRAME))
-    locked = [j for j in range(2, model.njoints) if model.names[j] not in moving]
-    reduced = pin.buildReducedModel(model, locked, q)
-    unit = {j: unit_of(reduced.joints[j]) for j in range(2, reduced.njoints)}
-    for j in range(1, reduced.njoints):
-        inertia = reduced.inertias[j]
-        reduced.inertias[j] = pin.Inertia(inertia.mass, inertia.lever / length, inertia.inertia / length**2)
-        reduced.jointPlacements[j] = _scaled(reduced.jointPlacements[j], length)
-        if j > 1 and unit[j] == "rad":
-            k = reduced.idx_vs[j]
-            armature = np.array(reduced.armature)
-            armature[k : k + reduced.nvs[j]] /= length**2
-            reduced.armature = armature
-    for frame in reduced.frames:
-        frame.placement = _scaled(frame.placement, length)
-    if moving != set(joints):
-        kept = {}
-        for name, one in followers.items():
-            if one.leader in joints:
-                own, leader = (
-                    length if unit[reduced.getJointId(joint)] == "m" else 1.0 for joint in (name, one.leader)
-                )
-                kept[name] = Following(one.leader, one.ratio * leader / own, one.offset / own)
-        reduced = couple(reduced, kept)
-    made = SpaceRobot(reduced)
+    locked.addFrame(pin.Frame(hand, carrier, 0, _scaled(placement * point.placement, length), pin.FrameType.OP_FRAME))
+    units = joint_units(model)
+    kept = {}
+    for name in moving - set(joints):
+        one = followers[name]
+        own, leader = (length if units[joint] == "m" else 1.0 for joint in (name, one.leader))
+        kept[name] = Following(one.leader, one.ratio * leader / own, one.offset / own)
+    made = SpaceRobot(couple(locked, kept) if kept else locked)
     frame = made.model.frames[made.model.getFrameId(hand)]
     return made, OperationalPoint(made, hand, (True,) * 6, int(frame.parentJoint), pin.SE3(frame.placement))
 

@@ -56,7 +56,10 @@ WHAT: dict[str, tuple[Quantity, ...]] = {
         Quantity("manipulability", "dynamic manipulability", ""),
     ),
     "base-turn": (Quantity("base_turn", "turn of the base", "rad"),),
-    "level-base": (Quantity("reach", "hand from the mass centre", "m"), Quantity("base_turn", "turn of the base", "rad")),
+    "level-base": (
+        Quantity("reach", "hand from the mass centre", "m"),
+        Quantity("base_turn", "turn of the base", "rad"),
+    ),
     "disturbance": (Quantity("disturbance", "turn of the base per joint rate", "rad/rad"),),
     "wheels": tuple(Quantity(f"wheel_{a}", f"momentum of wheels about {a}", "N m s") for a in "xyz"),
 }
@@ -138,10 +141,8 @@ class ArmMap:
             There is no such quantity, or none.
         """
         check_kind(arm, Arm, "make it with analysis.Arm(robot, point)")
-        names = checked_names(what, WHAT, "quantity of a map")
-        if not names:
-            raise OspaceError(f"a map of nothing: give some of {', '.join(WHAT)}")
-        quantities = tuple({one.name: one for name in names for one in WHAT[name]}.values())
+        names = tuple(dict.fromkeys((what,) if isinstance(what, str) else what))
+        quantities = quantities_of(names)
         steps, error = 0, 0.0
         if any(one.name == "base_turn" for one in quantities):
             steps, error = steps_for(arm, arm.draw(np.random.default_rng(0), _PILOT))
@@ -149,7 +150,7 @@ class ArmMap:
         fields = len([one for one in quantities if one.name not in _AXES])
         return cls(
             arm,
-            tuple(dict.fromkeys(names)),
+            names,
             quantities,
             0,
             np.zeros(m),
@@ -224,6 +225,29 @@ class ArmMap:
             grades=grades,
             plane=plane,
         ), values
+
+
+def quantities_of(what: Iterable[str]) -> tuple[Quantity, ...]:
+    """Return the quantities of groups, each once.
+
+    Parameters
+    ----------
+    what : iterable of str
+        Of `WHAT`.
+
+    Returns
+    -------
+    tuple of Quantity
+
+    Raises
+    ------
+    OspaceError
+        There is no such group, or none is given.
+    """
+    names = checked_names(what, WHAT, "quantity of a map")
+    if not names:
+        raise OspaceError(f"a map of nothing: give some of {', '.join(WHAT)}")
+    return tuple({one.name: one for name in names for one in WHAT[name]}.values())
 
 
 def map_arm(

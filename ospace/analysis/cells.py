@@ -1,4 +1,4 @@
-"""Extremes of quantities over postures that fall into the same cell of a lattice, in memory that the cells alone need."""
+"""Extremes of quantities over postures that fall into the same cell of a lattice; memory grows with the cells alone."""
 
 from __future__ import annotations
 
@@ -62,13 +62,14 @@ class Cells:
         low, high = np.empty(shape), np.empty(shape)
         at_low, at_high = np.empty((*shape, x.shape[1])), np.empty((*shape, x.shape[1]))
         for c in range(m):
-            for end, at, before, at_before, side in (
-                (low, at_low, self.low, self.at_low, "left"),
-                (high, at_high, self.high, self.at_high, "right"),
+            for end, at, before, at_before, last in (
+                (low, at_low, self.low, self.at_low, False),
+                (high, at_high, self.high, self.at_high, True),
             ):
                 of_all = np.r_[before[:, c], values[:, c]]
                 order = np.lexsort((of_all, cell))
-                chosen = order[np.searchsorted(cell[order], cells, side) - (side == "right")]
+                place = np.searchsorted(cell[order], cells + 1) - 1 if last else np.searchsorted(cell[order], cells)
+                chosen = order[place]
                 end[:, c] = of_all[chosen]
                 kept = chosen < old
                 at[kept, c] = at_before[chosen[kept], c]

@@ -121,7 +121,9 @@ def ascend(
             f_tried, c = problem.at(tried, here.frame)
         good = (np.abs(c).max(axis=1, initial=0.0) <= tolerance) & (f_tried > here.f)
         x[going], f[going] = np.where(good[:, None], tried, begin), np.where(good, f_tried, here.f)
-        alpha[going] = np.where(good, width, 0.2 * np.minimum(width, _LONGEST / np.maximum(np.abs(d).max(axis=1), 1e-300)))
+        alpha[going] = np.where(
+            good, width, 0.2 * np.minimum(width, _LONGEST / np.maximum(np.abs(d).max(axis=1), 1e-300))
+        )
         on = np.einsum("ki,ki->k", step, d) > _GAIN
         before = begin[on], d[on]
         going = going[on]

@@ -51,6 +51,8 @@ class MapResult:
         Postures; more than `arm_map.count` where the map was interrupted.
     postures : str
         How they were chosen.
+    interrupted : bool
+        Whether something that was wanted is missing.
     """
 
     arm_map: ArmMap
@@ -58,16 +60,12 @@ class MapResult:
     rays: Rays | None
     wanted: int
     postures: str
+    interrupted: bool = False
 
     @property
     def arm(self) -> Arm:
         """The arm that was mapped."""
         return self.arm_map.arm
-
-    @property
-    def interrupted(self) -> bool:
-        """Whether fewer postures were mapped than wanted."""
-        return self.arm_map.count < self.wanted
 
     @property
     def grades(self) -> list[Grade]:
@@ -84,6 +82,8 @@ class MapResult:
                 extent = float(cells.low[inside, reach].min()), float(cells.high[inside, reach].max())
                 share = float(cells.count[inside].sum() / self.arm_map.count)
                 grades.append(Grade(bound, share, extent, float((least <= bound).mean())))
+                if inside.all():
+                    break
         return grades
 
     def as_dict(self) -> dict[str, Any]:
@@ -109,6 +109,7 @@ class MapResult:
                 )
             ],
             "postures": {"chosen": self.postures, "wanted": self.wanted, "mapped": found.count},
+            "interrupted": self.interrupted,
             "quantities": [self._quantity(c) for c in range(len(found.quantities))] if found.count else [],
             "voxels": {"size": found.voxel, "count": len(found.voxels.index)},
         }

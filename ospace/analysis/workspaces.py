@@ -65,6 +65,8 @@ class Workspaces:
         Of the joints at both ends of each interval of the PDW.
     starts, singular : int
         Searches for singular postures, and how many found one.
+    planar : bool
+        Whether hand and base move in a plane: shells are rings then.
     """
 
     reach: Interval
@@ -74,11 +76,17 @@ class Workspaces:
     singular_postures: Floats
     starts: int
     singular: int
+    planar: bool
 
     @property
     def singular_share(self) -> float:
-        """Share of the volume reached in inertial space that is path-dependent."""
-        return _volume(self.path_dependent) / volume if (volume := _volume([self.reach])) > 0.0 else 0.0
+        """Share of the volume reached in inertial space that is path-dependent; of the area where all is planar."""
+        whole = self._size([self.reach])
+        return self._size(self.path_dependent) / whole if whole > 0.0 else 0.0
+
+    def _size(self, shells: Iterable[Interval]) -> float:
+        power = 2 if self.planar else 3
+        return float(sum(high**power - low**power for low, high in shells))
 
 
 def workspaces(arm: Arm, *, starts: int = _STARTS, seed: int = 0) -> Workspaces:
@@ -122,6 +130,7 @@ def workspaces(arm: Arm, *, starts: int = _STARTS, seed: int = 0) -> Workspaces:
         np.array([ends for _, ends in at]).reshape(-1, 2, len(arm.joints)),
         len(begun),
         singular,
+        arm.planar,
     )
 
 
@@ -197,11 +206,15 @@ class _SingularRadius:
         posture = self.arm.posture(around.reshape(-1, n))
         J_all = posture.J_m_star.reshape(K, 2 * n + 1, 6, n)
         J = J_all[:, 0][:, list(self.arm.rows)]
-        dJ = (J_all[:, 1 : n + 1] - J_all[:, n + 1 :])[:, :, list(self.arm.rows)] / (2.0 * _STEP * self.arm.scale[:, None, None])
+        dJ = (J_all[:, 1 : n + 1] - J_all[:, n + 1 :])[:, :, list(self.arm.rows)] / (
+            2.0 * _STEP * self.arm.scale[:, None, None]
+        )
         U, values, Vt = np.linalg.svd(J)
         k = self.arm.rank - 1
         frame = U, Vt.transpose(0, 2, 1), np.maximum(values[:, :1], 1e-300)
-        A = (np.einsum("kra,kjrs,ksb->kabj", U[:, :, k:], dJ, frame[1][:, :, k:])).reshape(K, -1, n) / frame[2][:, :, None]
+        A = (np.einsum("kra,kjrs,ksb->kabj", U[:, :, k:], dJ, frame[1][:, :, k:])).reshape(K, -1, n) / frame[2][
+            :, :, None
+        ]
         rho = posture.from_centre.reshape(K, -1, 3)[:, 0] / self.arm.length
         df = self.sign * np.einsum("ki,kin->kn", rho, J_all[:, 0, :3]) / self.arm.scale
         return Linear(self._radius._f(rho), df, _schur(J, frame, k), A, frame)
@@ -265,7 +278,7 @@ def _neighbours(problem: _SingularRadius, x: Floats, starts: int, rng: np.random
         found.append(nearby[singular])
     all_found = np.vstack(found)
     order = np.argsort(_radii(arm, all_found), kind="stable")
-    return all_found[order[np.unique(np.linspace(0, len(order) - 1, starts).astype(int))]]
+    return np.asarray(all_found[order[np.unique(np.linspace(0, len(order) - 1, starts).astype(int))]])
 
 
 def _trace(problem: _SingularRadius, x: Floats, iterations: int) -> Floats:
@@ -301,7 +314,3 @@ def _rest(reach: Interval, taken: Sequence[Interval]) -> list[Interval]:
     if reach[1] > begin + _SAME * reach[1]:
         rest.append((begin, reach[1]))
     return rest
-
-
-def _volume(shells: Iterable[Interval]) -> float:
-    return float(sum(high**3 - low**3 for low, high in shells))

@@ -1,115 +1,80 @@
-"""Postures of a map as files that are written while it grows: rows that were begun when it ends are left out."""
+"""Postures of a map, kept on disk while it grows, and written as a table or as arrays when it ends."""
 
 from __future__ import annotations
 
 import csv
-import io
-import shutil
 import tempfile
 import zipfile
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, Protocol, Self
+from typing import Self
 
 import numpy as np
 
 from ospace.files import replacing
 from ospace.kernels.tree import Floats
 
-
-class Rows(Protocol):
-    """A file that takes postures."""
-
-    def add(self, x: Floats, values: Floats) -> None:
-        """Write N postures (N, n), and their quantities (N, m)."""
+_AT_ONCE = 65_536
+"""Rows in memory."""
 
 
-class CsvRows:
-    """Rows of numbers, comma-separated, below their names."""
+class Rows:
+    """Rows of numbers in a file without a name; a row that was begun when Ctrl-C came is left out.
 
-    def __init__(self, file: IO[bytes], names: Sequence[str]) -> None:
-        self._file, self._begun, self._whole = file, 0, 0
-        heading = io.StringIO(newline="")
-        csv.writer(heading, lineterminator="\n").writerow(names)
-        self._write(heading.getvalue().encode())
+    Parameters
+    ----------
+    columns : sequence of str
+        Names.
+    beside : Path
+        Of a file that will be written: the rows are kept on its disk where that can be.
+    """
 
-    def add(self, x: Floats, values: Floats) -> None:
-        text = io.BytesIO()
-        np.savetxt(text, np.hstack([x, values]), fmt="%.12g", delimiter=",")
-        self._write(text.getvalue())
-
-    def end(self) -> None:
-        """Cut off what is not whole."""
-        if self._begun != self._whole:
-            self._file.truncate(self._whole)
-
-    def _write(self, text: bytes) -> None:
-        self._begun += len(text)
-        self._file.write(text)
-        self._whole = self._begun
-
-
-class NpzRows:
-    """Arrays `postures` and `values` of an ``.npz`` file, gathered beside it until their length is known."""
-
-    def __init__(self, folder: Path) -> None:
-        self._files = {name: (folder / name).open("wb") for name in ("postures", "values")}
-        self._columns: dict[str, int] = {}
-        self._count = 0
+    def __init__(self, columns: Sequence[str], beside: Path) -> None:
+        self.columns, self.count = tuple(columns), 0
+        ordinary = not beside.exists() or beside.is_file()
+        self._file = tempfile.TemporaryFile(dir=beside.parent if ordinary else None)  # noqa: SIM115: closed by __exit__
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *error: object) -> None:
-        for file in self._files.values():
-            file.close()
+        self._file.close()
 
-    def add(self, x: Floats, values: Floats) -> None:
-        for name, part in (("postures", x), ("values", values)):
-            self._files[name].seek(self._count * part.shape[1] * 8)
-            self._files[name].write(np.ascontiguousarray(part, dtype="<f8").tobytes())
-            self._columns[name] = part.shape[1]
-        self._count += len(x)
+    def add(self, *parts: Floats) -> None:
+        """Keep N rows, given as parts (N, k) that stand beside each other."""
+        rows = np.hstack(parts).astype("<f8")
+        self._file.seek(self.count * self._size)
+        self._file.write(rows.tobytes())
+        self.count += len(rows)
 
-    def end(self, path: Path, others: Mapping[str, Floats]) -> None:
-        """Write the file, with other arrays as well."""
-        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, allowZip64=True) as archive:
-            for name, array in others.items():
-                with archive.open(f"{name}.npy", "w") as member:
-                    np.lib.format.write_array(member, np.asarray(array), allow_pickle=False)
-            for name, file in self._files.items():
-                file.close()
-                shape = (self._count, self._columns.get(name, 0))
-                header = {"descr": "<f8", "fortran_order": False, "shape": shape}
-                with archive.open(f"{name}.npy", "w", force_zip64=True) as member, open(file.name, "rb") as rows:
-                    np.lib.format.write_array_header_1_0(member, header)
-                    shutil.copyfileobj(_Part(rows, shape[0] * shape[1] * 8), member)
+    def chunks(self) -> Iterator[Floats]:
+        """Yield the rows, some at a time."""
+        self._file.seek(0)
+        for first in range(0, self.count, _AT_ONCE):
+            some = self._file.read(min(_AT_ONCE, self.count - first) * self._size)
+            yield np.frombuffer(some, dtype="<f8").reshape(-1, len(self.columns))
+
+    @property
+    def _size(self) -> int:
+        return 8 * len(self.columns)
 
 
-class _Part:
-    """The first bytes of a file."""
-
-    def __init__(self, file: IO[bytes], size: int) -> None:
-        self._file, self._left = file, size
-
-    def read(self, size: int = -1) -> bytes:
-        text = self._file.read(min(size if size >= 0 else self._left, self._left))
-        self._left -= len(text)
-        return text
+def to_csv(rows: Rows, path: Path) -> None:
+    """Write rows below the names of their columns."""
+    with replacing(path) as part, part.open("w", encoding="utf-8", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerow(rows.columns)
+        for some in rows.chunks():
+            np.savetxt(file, some, fmt="%.12g", delimiter=",")
 
 
-@contextmanager
-def csv_rows(path: Path, names: Sequence[str]) -> Iterator[CsvRows]:
-    """Yield what writes postures to a CSV file, which appears when the block ends."""
-    with replacing(path) as part, open(part, "wb") as file:
-        rows = CsvRows(file, names)
-        yield rows
-        rows.end()
-
-
-@contextmanager
-def npz_rows(path: Path) -> Iterator[NpzRows]:
-    """Yield what gathers postures for an ``.npz`` file, in a folder beside it while the block lasts."""
-    with tempfile.TemporaryDirectory(prefix=".ospace-map-", dir=path.parent) as folder, NpzRows(Path(folder)) as rows:
-        yield rows
+def to_npz(rows: Rows, path: Path, others: Mapping[str, Floats]) -> None:
+    """Write rows as the array `rows`, the names of their columns as `columns`, and other arrays as they are named."""
+    with replacing(path) as part, zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED, allowZip64=True) as archive:
+        for name, array in {"columns": np.array(rows.columns), **others}.items():
+            with archive.open(f"{name}.npy", "w") as member:
+                np.lib.format.write_array(member, np.asarray(array), allow_pickle=False)
+        header = {"descr": "<f8", "fortran_order": False, "shape": (rows.count, len(rows.columns))}
+        with archive.open("rows.npy", "w", force_zip64=True) as member:
+            np.lib.format.write_array_header_1_0(member, header)
+            for some in rows.chunks():
+                member.write(some.tobytes())
