@@ -24,7 +24,7 @@ from ospace.analysis.rates import (
     inertia_inverse_derivative,
 )
 from ospace.analysis.rays import Rays, reach_along
-from ospace.analysis.workspaces import Workspaces, workspaces
+from ospace.analysis.workspace_shells import Workspaces, workspaces
 
 __all__ = [
     "Arm",

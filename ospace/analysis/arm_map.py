@@ -67,9 +67,11 @@ WHAT: dict[str, tuple[Quantity, ...]] = {
 GRADES = tuple(np.deg2rad([1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 45.0, 60.0, 90.0, 180.0]).tolist())
 """Turns of the base that a level-base envelope is graded by, rad."""
 CHUNK = 8192
-_ACROSS, _SHELLS, _PLANE = 28, 48, 72
-"""Voxels along the diameter of an arm, shells of its reach, cells of the range of a joint."""
+_ACROSS, _SHELLS, _PLANE, _FINEST = 28, 48, 72, 360
+"""Voxels along the diameter of an arm, shells of its reach, cells of the range of a joint, and the most of these."""
 _PILOT = 64
+_EDGE = 1e-9
+"""Of a cell: a posture of a grid that stands on its edge is in it, rounded or not."""
 _AXES = ("hand_x", "hand_y", "hand_z")
 
 
@@ -97,9 +99,10 @@ class ArmMap:
     grades : Cells
         By the least of `GRADES` that the turn of the base stays within; none without the turn.
     plane : Cells
-        By the first two joints that vary, `plane_cells` of each range; none where others vary.
+        By the two joints that vary, `plane_cells` of each range; none where more or fewer do.
     voxel, shell : float
         m.
+    plane_cells : int
     turn_steps : int
         Of the integrator of turns.
     turn_error : float
@@ -118,11 +121,12 @@ class ArmMap:
     plane: Cells
     voxel: float
     shell: float
+    plane_cells: int = _PLANE
     turn_steps: int = 0
     turn_error: float = 0.0
 
     @classmethod
-    def empty(cls, arm: Arm, what: Iterable[str]) -> ArmMap:
+    def empty(cls, arm: Arm, what: Iterable[str], plane_cells: int = _PLANE) -> ArmMap:
         """Return a map of no posture.
 
         Parameters
@@ -130,6 +134,8 @@ class ArmMap:
         arm : Arm
         what : iterable of str
             Of `WHAT`.
+        plane_cells : int
+            Of the range of each joint, where two joints vary; as many as values of a grid, and 360 at most.
 
         Returns
         -------
@@ -161,6 +167,7 @@ class ArmMap:
             Cells.empty(2, fields, n),
             2.0 * arm.span / _ACROSS,
             arm.span / _SHELLS,
+            min(plane_cells, _FINEST),
             steps,
             error,
         )
@@ -184,11 +191,6 @@ class ArmMap:
     def shell_radii(self) -> Floats:
         """Middles of the shells, (C,), m."""
         return np.asarray(self.shell * (self.shells.index[:, 0] + 0.5))
-
-    @property
-    def plane_cells(self) -> int:
-        """Cells of the range of each joint of the plane."""
-        return _PLANE
 
     def with_postures(self, x: Floats) -> tuple[ArmMap, Floats]:
         """Return this map with postures more, and the quantities there.
@@ -214,7 +216,8 @@ class ArmMap:
             grades = grades.with_postures(np.searchsorted(GRADES, known["base_turn"])[:, None], values, x)
         if x.shape[1] == 2:
             share = (x - self.arm.lower) / (self.arm.upper - self.arm.lower)
-            plane = plane.with_postures(_whole(share * _PLANE).clip(0, _PLANE - 1), fields, x)
+            index = _whole(share * self.plane_cells + _EDGE).clip(0, self.plane_cells - 1)
+            plane = plane.with_postures(index, fields, x)
         return replace(
             self,
             count=self.count + len(x),
@@ -284,7 +287,7 @@ def map_arm(
     OspaceError
         There is no such quantity, or a number makes no sense.
     """
-    found = ArmMap.empty(arm, what)
+    found = ArmMap.empty(arm, what) if grid is None else ArmMap.empty(arm, what, grid)
     for x in random_postures(arm, random, seed) if grid is None else grid_postures(arm, grid):
         found, _ = found.with_postures(x)
         if progress is not None:

@@ -10,7 +10,7 @@ import numpy as np
 from ospace.analysis.arm import Arm
 from ospace.analysis.arm_map import GRADES, ArmMap
 from ospace.analysis.rays import Rays
-from ospace.analysis.workspaces import Interval, Workspaces
+from ospace.analysis.workspace_shells import Interval, Workspaces
 from ospace.kernels.tree import Floats
 
 

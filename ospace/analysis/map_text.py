@@ -9,7 +9,7 @@ import numpy as np
 from ospace.analysis.arm import Arm
 from ospace.analysis.arm_map import Quantity
 from ospace.analysis.map_result import MapResult
-from ospace.analysis.workspaces import Interval, Workspaces
+from ospace.analysis.workspace_shells import Interval, Workspaces
 from ospace.exceptions import printable
 from ospace.kernels.tree import Floats
 

@@ -203,14 +203,14 @@ def _mapped(given: argparse.Namespace, arm: Arm, what: Sequence[str], rows: Rows
     from ospace.analysis.arm_map import ArmMap
     from ospace.analysis.map_result import MapResult
     from ospace.analysis.rays import reach_along
-    from ospace.analysis.workspaces import workspaces
+    from ospace.analysis.workspace_shells import workspaces
     from ospace.cli import progress
 
     wanted, how, postures = _postures(given, arm)
     shells = rays = None
     interrupted = False
     with progress.bar(given, "mapping postures", wanted) as advance:
-        found = ArmMap.empty(arm, what)
+        found = ArmMap.empty(arm, what) if given.grid is None else ArmMap.empty(arm, what, given.grid)
         try:
             for x in postures:
                 larger, values = found.with_postures(x)

@@ -32,7 +32,7 @@ class Rows:
     def __init__(self, columns: Sequence[str], beside: Path) -> None:
         self.columns, self.count = tuple(columns), 0
         ordinary = not beside.exists() or beside.is_file()
-        self._file = tempfile.TemporaryFile(dir=beside.parent if ordinary else None)  # noqa: SIM115: closed by __exit__
+        self._file = tempfile.TemporaryFile(dir=beside.parent if ordinary else None)  # noqa: SIM115
 
     def __enter__(self) -> Self:
         return self
