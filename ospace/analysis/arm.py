@@ -136,46 +136,135 @@ class Arm:
     # -- configurations --------------------------------------------------------------------------------------
 
     def configurations(self, x: Floats) -> Floats:
-        """Return configurations (N, nq) of the robot, base at the origin, from postures (N, n)."""
+        """Return configurations of the robot, base level at the origin.
+
+        Parameters
+        ----------
+        x : (N, n)
+            Postures of the joints that vary; rad, m.
+
+        Returns
+        -------
+        (N, nq) array
+        """
         return _with_joints(np.tile(self.at, (len(x), 1)), _places(self.robot, self.joints), x)
 
     def locked_configurations(self, x: Floats) -> Floats:
-        """Return configurations of the locked robot, lengths in L, from postures (N, n)."""
+        """Return configurations of the locked robot, lengths in L.
+
+        Parameters
+        ----------
+        x : (N, n)
+            Postures of the joints that vary; rad, m.
+
+        Returns
+        -------
+        (N, locked.nq) array
+        """
         Q = np.zeros((len(x), self.locked.nq))
         Q[:, 6] = 1.0
         return _with_joints(Q, self._columns, x / self.scale)
 
     def draw(self, rng: np.random.Generator, count: int) -> Floats:
-        """Draw postures (count, n), even over the ranges."""
+        """Draw postures, even over the ranges.
+
+        Parameters
+        ----------
+        rng : numpy.random.Generator
+        count : int
+
+        Returns
+        -------
+        (count, n) array
+            rad, m.
+        """
         return self.lower + (self.upper - self.lower) * rng.random((count, len(self.joints)))
 
     # -- what it does there ----------------------------------------------------------------------------------
 
     def posture(self, x: Floats) -> Posture:
-        """Compute where the hand and the mass centre are, J_m* and J_b*, of postures (N, n)."""
+        """Compute where the hand and the mass centre are, J_m* and J_b*.
+
+        Parameters
+        ----------
+        x : (N, n)
+            Postures of the joints that vary; rad, m.
+
+        Returns
+        -------
+        Posture
+        """
         quantities = ("placement", "centre_of_mass", "generalized_jacobian", "base_generalized_jacobian")
         found = operational_space_batch(self.locked, self._hand, self.locked_configurations(x), None, quantities)
         hand, centre, J_m_star, J_b_star = (np.asarray(getattr(found, name)) for name in quantities)
         return Posture(self.length * hand[:, 0, :3], self.length * centre, J_m_star, J_b_star)
 
     def base_rotation(self, x: Floats, rates: Floats) -> Floats:
-        """Compute the base's angular velocity (N, 3), base axes, of postures and rates (N, n); rates in `scale`."""
+        """Compute the angular velocity of the base at rates of the joints.
+
+        Parameters
+        ----------
+        x : (N, n)
+            Postures of the joints that vary; rad, m.
+        rates : (N, n)
+            In `scale` per s.
+
+        Returns
+        -------
+        (N, 3) array
+            Base axes, rad/s.
+        """
         J_b_star = self._of_locked("base_generalized_jacobian", x)
         return np.asarray(np.einsum("kij,kj->ki", J_b_star[:, 3:], rates))
 
     def singular_values(self, x: Floats) -> Floats:
-        """Compute the singular values (N, min(r, n)) of J_m*, rows `rows`, of postures (N, n)."""
+        """Compute the singular values of J_m*, of its rows `rows`, lengths in L.
+
+        Parameters
+        ----------
+        x : (N, n)
+            Postures of the joints that vary; rad, m.
+
+        Returns
+        -------
+        (N, min(r, n)) array
+            The largest first.
+        """
         frame = OperationalPoint(self.locked, self._hand.frame, self.rows, self._hand.joint, self._hand.placement)
         Q = self.locked_configurations(x)
         found = operational_space_batch(self.locked, frame, Q, None, ("singular_values",)).singular_values
         return np.asarray(found)
 
     def generalized_inertia(self, x: Floats) -> Floats:
-        """Compute H_m* (N, n, n) of postures (N, n), kg L²; a joint that slides counts in L."""
+        """Compute H_m*, a joint that slides counted in L.
+
+        Parameters
+        ----------
+        x : (N, n)
+            Postures of the joints that vary; rad, m.
+
+        Returns
+        -------
+        (N, n, n) array
+            kg L².
+        """
         return self._of_locked("generalized_inertia", x)
 
     def inertia(self, x: Floats, centre: Floats) -> Floats:
-        """Compute the inertia (N, 3, 3) about the mass centre (N, 3) of the robot, base axes, of postures; kg m²."""
+        """Compute the inertia of the robot about its mass centre.
+
+        Parameters
+        ----------
+        x : (N, n)
+            Postures of the joints that vary; rad, m.
+        centre : (N, 3)
+            The mass centre in the base frame, m.
+
+        Returns
+        -------
+        (N, 3, 3) array
+            Base axes, kg m².
+        """
         columns = []
         for spin in np.eye(3):
             V = np.zeros((len(x), self.locked.nv))
@@ -202,12 +291,12 @@ class Arm:
 
     @cached_property
     def planar(self) -> bool:
-        """Whether hand and base move in a plane, along two directions, and turn about the third alone."""
+        """True where hand and base move in a plane, along two directions, and turn about the third alone."""
         return bool((self._moved[:3].sum(), self._moved[3:].sum()) == (2, 1) and self._moved[:3] @ self._moved[3:] == 0)
 
     @cached_property
     def _moved(self) -> npt.NDArray[np.bool_]:
-        """Which directions the hand moves along."""
+        """Directions that the hand moves along."""
         pilot = self.posture(self.draw(np.random.default_rng(0), _PILOT)).J_m_star
         moved = np.abs(pilot).max(axis=(0, 2))
         return np.asarray(moved > _NOTHING * moved.max(initial=0.0))

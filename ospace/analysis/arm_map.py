@@ -147,7 +147,7 @@ class ArmMap:
             There is no such quantity, or none.
         """
         check_kind(arm, Arm, "make it with analysis.Arm(robot, point)")
-        names = tuple(dict.fromkeys((what,) if isinstance(what, str) else what))
+        names = _groups(what)
         quantities = quantities_of(names)
         steps, error = 0, 0.0
         if any(one.name == "base_turn" for one in quantities):
@@ -247,10 +247,15 @@ def quantities_of(what: Iterable[str]) -> tuple[Quantity, ...]:
     OspaceError
         There is no such group, or none is given.
     """
+    return tuple({one.name: one for name in _groups(what) for one in WHAT[name]}.values())
+
+
+def _groups(what: Iterable[str]) -> tuple[str, ...]:
+    """Return groups in the order of `WHAT`; raise `OspaceError` for none, or one that is not there."""
     names = checked_names(what, WHAT, "quantity of a map")
     if not names:
         raise OspaceError(f"a map of nothing: give some of {', '.join(WHAT)}")
-    return tuple({one.name: one for name in names for one in WHAT[name]}.values())
+    return tuple(name for name in WHAT if name in names)
 
 
 def map_arm(

@@ -52,7 +52,7 @@ class Linear:
 
 
 class Problem(Protocol):
-    """What is raised, and what is to hold meanwhile."""
+    """Objective, and constraints that are to hold meanwhile."""
 
     def linear(self, x: Floats, which: Ints) -> Linear:
         """Return objective and constraints of postures (K, n), to first order; `which` (K,) of those given they are."""

@@ -38,7 +38,7 @@ class Grade:
 
 @dataclass(frozen=True)
 class MapResult:
-    """What was found of an arm.
+    """Map, workspaces and rays of an arm.
 
     Attributes
     ----------

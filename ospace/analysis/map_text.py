@@ -62,18 +62,18 @@ def facts(result: MapResult) -> Iterator[tuple[str, str]]:
         rays = result.rays
         span = rays.distance[rays.reached]
         ends = f"{_plain(span.min(), 4)} to {_plain(span.max(), 4)} m along" if len(span) else "the hand comes onto"
-        yield "  base level", f"{ends} {len(span)} of {len(rays.directions)} rays"
+        yield "base level", f"{ends} {len(span)} of {len(rays.directions)} rays"
 
 
 def _workspaces(found: Workspaces) -> Iterator[tuple[str, str]]:
     size = "area" if found.planar else "volume"
     yield "reach", f"{intervals([found.reach])} from the mass centre, any attitude of the base"
-    yield "  path-independent", f"{intervals(found.path_independent)} (PIW)"
+    yield "path-independent", f"{intervals(found.path_independent)} (PIW)"
     yield (
-        "  path-dependent",
+        "path-dependent",
         (f"{intervals(found.path_dependent)} (PDW), {100 * found.singular_share:.3g} % of the {size}"),
     )
-    yield "  searches", f"{found.singular} of {found.starts} met a singular posture"
+    yield "searches", f"{found.singular} of {found.starts} met a singular posture"
 
 
 def extremes(result: MapResult) -> Iterator[tuple[str, list[str], str]]:

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-import textwrap
 from typing import TYPE_CHECKING
 
-from ospace.cli.console import buffered_console, buffered_text, plain
+from ospace.cli.columns import Column
+from ospace.cli.console import buffered_console, buffered_text, plain, show_table, show_text
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from ospace.analysis.map_result import MapResult
 
-_WIDTH = 80
-_NAME = 18
+_FACTS = (Column(), Column(wraps=True))
+_EXTREMES = (Column("quantity"), *(Column(one, right=True) for one in ("smallest", "mean", "largest")), Column("unit"))
+_GRADES = (
+    *(Column(one, right=True) for one in ("turn at most", "postures", "voxels")),
+    Column("hand from the mass centre"),
+)
 
 
 def text(result: MapResult) -> str:
@@ -27,35 +29,19 @@ def text(result: MapResult) -> str:
     -------
     str
     """
-    console = buffered_console(_WIDTH)
-    _show(console, result)
-    return buffered_text(console)
-
-
-def _show(console: Console, result: MapResult) -> None:
     from ospace.analysis import map_text
 
-    for line in _wrapped(map_text.heading(result), ""):
-        console.print(f"[bold]{plain(line)}[/]")
-    for name, value in map_text.facts(result):
-        for line in _wrapped(f"  {name:{_NAME}} {value}", " " * (_NAME + 3)):
-            console.print(plain(line))
-    if extremes := list(map_text.extremes(result)):
-        console.print(f"\n[bold]{'quantity':36}  {'smallest':>9}  {'mean':>9}  {'largest':>9}[/]")
-        for title, numbers, unit in extremes:
-            console.print(plain(f"{title:36}  {'  '.join(f'{one:>9}' for one in numbers)}  {unit}"))
+    console = buffered_console()
+    show_text(console, f"[bold]{plain(map_text.heading(result))}[/]")
+    show_table(console, _FACTS, [tuple(map(plain, row)) for row in map_text.facts(result)], "  ")
+    if extremes := [(title, *numbers, unit) for title, numbers, unit in map_text.extremes(result)]:
+        console.print()
+        show_table(console, _EXTREMES, extremes)
     if grades := list(map_text.grades(result)):
-        console.print(f"\n[bold]{'turn at most':>12}  {'postures':>8}  {'voxels':>7}  hand from the mass centre[/]")
-        for turn, share, volume, reach in grades:
-            console.print(plain(f"{turn:>12}  {share:>8}  {volume:>7}  {reach}"))
+        console.print()
+        show_table(console, _GRADES, grades)
     if places := list(map_text.places(result)):
         console.print()
         for title, at in places:
-            for line in _wrapped(f"{title} at {at}", "  "):
-                console.print(plain(line))
-
-
-def _wrapped(line: str, indent: str) -> list[str]:
-    return textwrap.wrap(
-        line, _WIDTH, subsequent_indent=indent, drop_whitespace=True, break_long_words=False, break_on_hyphens=False
-    )
+            show_text(console, plain(f"{title} at {at}"))
+    return buffered_text(console)

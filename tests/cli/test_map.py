@@ -21,6 +21,7 @@ FEW = ("--random", "500")
 @pytest.fixture
 def mapped(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "80")
 
     def call(*arguments):
         try:
@@ -40,8 +41,8 @@ def test_the_published_arm(mapped):
     told = " ".join(out.split())
     assert "path-independent 0 to 0.3511 m, 0.5537 to 1.4362 m (PIW) path-dependent" in told
     assert "path-dependent 0.3511 to 0.5537 m, 1.4362 to 2.2872 m (PDW), 64.1 % of the area" in told
-    assert "postures           1369, grid of 37 values of each joint" in out
-    assert "left out           no joint moves the hand along: z\n" in out
+    assert "  postures          1369, grid of 37 values of each joint\n" in out
+    assert "  left out          no joint moves the hand along: z\n" in out
     assert max(map(len, out.splitlines())) <= 80
 
 
@@ -185,7 +186,7 @@ def test_ctrl_c_keeps_the_postures_that_are_done(mapped, tmp_path, interrupt):
     assert status == 130
     count = int(re.fullmatch(r"ospace: interrupted after (\d+) of 50000 postures\n", err)[1])
     assert count in (8192, 16384)  # the chunk that is measured then is done or not
-    assert f"postures           {count} of 50000, random, seed 0" in out
+    assert f"  postures  {count} of 50000, random, seed 0\n" in out
     assert "path-independent" not in out
     assert len((tmp_path / "a.csv").read_text().splitlines()) == count + 1
     assert np.load(tmp_path / "a.npz")["rows"].shape == (count, 8)
@@ -202,7 +203,7 @@ def test_ctrl_c_before_the_first_posture(mapped, monkeypatch):
     assert document["interrupted"]
     assert document["quantities"] == []
     status, out, _ = mapped("planar_2r")
-    assert (status, out.splitlines()[1]) == (130, "  postures           0 of 20000, random, seed 0")
+    assert (status, out.splitlines()[1]) == (130, "  postures  0 of 20000, random, seed 0")
 
 
 def test_ctrl_c_while_workspaces_are_searched_keeps_the_map(mapped, monkeypatch):
