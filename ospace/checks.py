@@ -50,6 +50,12 @@ def checked_numbers(given: object, name: str) -> Floats:
     return numbers
 
 
+def check_whole(name: str, number: object, least: int) -> None:
+    """Raise `OspaceError` where `number` is no whole number from `least` on."""
+    if not isinstance(number, int | np.integer) or isinstance(number, bool) or number < least:
+        raise OspaceError(f"{name} is {number!r}: give a whole number from {least} on")
+
+
 def checked_names(given: object, known: Iterable[str], what: str) -> tuple[str, ...]:
     """Return one name or several as a tuple; raises `OspaceError` for one that is not among the `known`."""
     known = tuple(known)

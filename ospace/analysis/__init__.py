@@ -1,5 +1,7 @@
 """Quantities that the literature derives for a floating arm: rates, null spaces, maps of reaction, base motion."""
 
+from ospace.analysis.arm import Arm
+from ospace.analysis.arm_map import ArmMap, map_arm
 from ospace.analysis.base_motion import base_motion, base_turn
 from ospace.analysis.measures import (
     DisturbanceMap,
@@ -21,11 +23,17 @@ from ospace.analysis.rates import (
     generalized_jacobian_rate,
     inertia_inverse_derivative,
 )
+from ospace.analysis.rays import Rays, reach_along
+from ospace.analysis.workspace_shells import Workspaces, workspaces
 
 __all__ = [
+    "Arm",
+    "ArmMap",
     "DisturbanceMap",
     "ImpulseMap",
     "NullSpace",
+    "Rays",
+    "Workspaces",
     "base_motion",
     "base_turn",
     "coupling_factor",
@@ -37,6 +45,9 @@ __all__ = [
     "generalized_jacobian_rate",
     "impulse_map",
     "inertia_inverse_derivative",
+    "map_arm",
+    "reach_along",
     "reaction_null_space",
     "wheel_momentum",
+    "workspaces",
 ]

@@ -17,7 +17,7 @@ from ospace.cli import output
 from ospace.cli.interrupts import Interrupts
 
 EXIT_FINDINGS, EXIT_USAGE, EXIT_INTERRUPTED = 1, 2, 130
-_VERBS = ("check", "compose", "view", "run", "plot", "bench", "list")
+_VERBS = ("check", "compose", "view", "map", "run", "plot", "bench", "list")
 XACRO_VALUE = re.compile(r"([A-Za-z_]\w*):=(.*)", re.DOTALL)
 # The matrices here are small: threads of the linear algebra would wait for each other longer than they work.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ospace.cli import output
+from ospace.cli.pose import joint_values
 
 if TYPE_CHECKING:
     from ospace.kernels.tree import Floats
@@ -115,7 +116,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
         )
     except UnsoundModelError as error:
         return _unsound(given, error, file, folders)
-    q = robot.configuration({**robot.joint_positions(robot.neutral()), **_pose(given.pose, robot)})
+    q = robot.configuration({**robot.joint_positions(robot.neutral()), **joint_values(given.pose, robot)})
     if beyond := robot.outside_limits(q):
         output.tell(f"warning: --pose is outside limits: {excess_text(robot.model, beyond)}")
     scene = _scene(given, robot)
@@ -175,28 +176,6 @@ def _scene(given: argparse.Namespace, robot: SpaceRobot) -> Scene:
 
     points = [robot.point(name) for name in given.point] if given.point else None
     return Scene(robot, points, show=_layers(given), background=given.background)
-
-
-def _pose(text: str, robot: SpaceRobot) -> dict[str, float]:
-    """Read joint positions, as ``name=value,name=value``."""
-    from ospace.exceptions import OspaceError
-
-    positions: dict[str, float] = {}
-    for part in filter(None, (part.strip() for part in text.split(","))):
-        name, equals, value = (piece.strip() for piece in part.rpartition("="))
-        if not equals or not name:
-            raise OspaceError(
-                f"--pose '{part}': write joint=value, such as {robot.joint_names[0]}=0.5"
-                if robot.joint_names
-                else f"--pose '{part}': robot '{robot.name}' has no joint"
-            )
-        if name in positions:
-            raise OspaceError(f"--pose '{part}': joint '{name}' is given twice")
-        try:
-            positions[name] = float(value)
-        except ValueError:
-            raise OspaceError(f"--pose '{part}': '{value}' is not a number in rad or m") from None
-    return positions
 
 
 def _sweep(given: argparse.Namespace, robot: SpaceRobot, q: Floats) -> FloatingMotion:
