@@ -1,6 +1,7 @@
 """Quantities that the literature derives for a floating arm: rates, null spaces, maps of reaction, base motion."""
 
-from ospace.analysis.base_motion import base_motion, base_turn
+from ospace.analysis.base_motion import base_displacement, base_motion, base_turn
+from ospace.analysis.bias_derivative import bias_force_derivative
 from ospace.analysis.measures import (
     DisturbanceMap,
     ImpulseMap,
@@ -26,8 +27,10 @@ __all__ = [
     "DisturbanceMap",
     "ImpulseMap",
     "NullSpace",
+    "base_displacement",
     "base_motion",
     "base_turn",
+    "bias_force_derivative",
     "coupling_factor",
     "coupling_null_space",
     "disturbance_map",
