@@ -180,7 +180,7 @@ class SpaceRobot(Layout):
 
     @cached_property
     def turning_rates(self) -> npt.NDArray[np.bool_]:
-        """Which of the joint rates ``v[6:]`` turn (n,), rad/s; the others shift, m/s."""
+        """Mask of the joint rates ``v[6:]`` that turn (n,), rad/s; the others shift, m/s."""
         columns = self.state(self.configuration()).table("S")[self.links.link_of]
         return np.asarray(np.abs(columns[:, 3:]).max(axis=1, initial=0.0) > 0.0)
 
