@@ -8,6 +8,7 @@ of the package with that mistake, interpreted; and counts:
 - *survived*: it does not, and a result differs.
 
     python tests/mutation.py --count 40 --seed 0
+    python tests/mutation.py --count 20 --file analysis/rates.py
 """
 
 from __future__ import annotations
@@ -32,7 +33,8 @@ KERNELS = (
     ("kinematics", "points", "pv_osimr", "composite_body", "response", "spd_inverse", "articulated_body", "spatial")
     + ("evaluation", "batch", "forward_chain", "inverted_chain", "singular_values")
 )  # fmt: skip
-FILES = (*(f"kernels/{name}.py" for name in KERNELS), "dynamics/paper_sweeps.py", "model/layout.py")
+OTHERS = ("dynamics/paper_sweeps.py", "model/layout.py", "analysis/rates.py", "analysis/bias_derivative.py")
+FILES = (*(f"kernels/{name}.py" for name in KERNELS), *OTHERS)
 CHECKS = (
     (str(TESTS / "validation/every_joint.urdf"), "--point", "hand", "--point", "tip", "--samples", "4"),
     ("chaser_24dof", "--point", "right_hand", "--point", "head", "--samples", "3"),
@@ -127,6 +129,7 @@ def public_results():
     import numpy as np
 
     import ospace
+    from ospace import analysis
     from ospace.dynamics import batch, evaluator
     from ospace.dynamics.joint_space import inverse_dynamics
     from ospace.validation.sampling import random_state
@@ -164,6 +167,10 @@ def public_results():
                 take(f"{label} {k} floating", floating, vars(floating))
                 run = ospace.OperationalSpaceEvaluator(robot, taken, evaluator.QUANTITIES).update(state.q, state.v)
                 take(f"{label} {k} evaluator", run, [*evaluator.QUANTITIES, "response"])
+                way = np.r_[state.v, np.cos(np.arange(robot.nv))]
+                results[f"{label} {k} rate"] = analysis.generalized_jacobian_rate(state, taken)
+                results[f"{label} {k} derivative"] = analysis.inertia_inverse_derivative(state, taken, way[robot.nv :])
+                results[f"{label} {k} bias derivative"] = analysis.bias_force_derivative(state, taken[0], way)
                 results[f"{label} {k} momentum"] = ospace.momentum(state)
                 results[f"{label} {k} forces"] = inverse_dynamics(state, np.sin(np.arange(robot.nv)))
             Q, V = (np.array([getattr(state, name) for state in states]) for name in "qv")
@@ -211,13 +218,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=40, help="mutations (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument(
+        "--file", action="append", choices=FILES, help="mutations of this file; repeatable (default: all)"
+    )
     parser.add_argument("--workers", type=int, default=os.cpu_count())
     parser.add_argument("--outcome", help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.outcome:
         outcome(given.outcome)
         return
-    every = mutations()
+    every = [one for one in mutations() if one.file in (given.file or FILES)]
     chosen = random.Random(given.seed).sample(every, min(given.count, len(every)))
     kinds: dict[str, list[Mutation]] = {"noticed": [], "equivalent": [], "survived": []}
     errors = 0

@@ -2,7 +2,8 @@
 
 from ospace.analysis.arm import Arm
 from ospace.analysis.arm_map import ArmMap, map_arm
-from ospace.analysis.base_motion import base_motion, base_turn
+from ospace.analysis.base_motion import base_displacement, base_motion, base_turn
+from ospace.analysis.bias_derivative import bias_force_derivative
 from ospace.analysis.measures import (
     DisturbanceMap,
     ImpulseMap,
@@ -34,8 +35,10 @@ __all__ = [
     "NullSpace",
     "Rays",
     "Workspaces",
+    "base_displacement",
     "base_motion",
     "base_turn",
+    "bias_force_derivative",
     "coupling_factor",
     "coupling_null_space",
     "disturbance_map",

@@ -21,6 +21,7 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation
 
 from ospace.checks import check_kind, checked_numbers, checked_vector
 from ospace.dynamics.generalized_jacobian import base_generalized_jacobian
@@ -88,6 +89,24 @@ def base_motion(
     return poses
 
 
+def base_displacement(poses: Floats) -> Floats:
+    """Return how far a base has shifted and turned since its first pose.
+
+    Parameters
+    ----------
+    poses : (N, 7)
+        As `base_motion` returns them, or the first seven numbers of q.
+
+    Returns
+    -------
+    (N, 2) array
+        Shift of its origin, m, and angle of its turn, in [0, π] rad.
+    """
+    attitudes = Rotation.from_quat(poses[:, 3:])
+    shift = np.linalg.norm(poses[:, :3] - poses[0, :3], axis=1)
+    return np.column_stack([shift, (attitudes[0].inv() * attitudes).magnitude()])
+
+
 def base_turn(poses: Floats) -> float:
     """Return the angle between the first and the last attitude of a base.
 
@@ -101,8 +120,7 @@ def base_turn(poses: Floats) -> float:
     float
         In [0, π]; rad.
     """
-    first, last = (pin.XYZQUATToSE3(np.asarray(pose, dtype=float)).rotation for pose in (poses[0], poses[-1]))
-    return float(np.linalg.norm(pin.log3(first.T @ last)))
+    return float(base_displacement(poses[[0, -1]])[-1, 1])
 
 
 def _attitudes(way: _Way, R_0: Floats) -> list[Floats]:

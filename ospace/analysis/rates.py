@@ -32,40 +32,51 @@ from ospace.model.state import State
 _LOWER = np.tril_indices(6)
 
 
-class _Rates:
-    """H, J_b* and J_e of a state, base rows in inertial axes, and their rates along its motion."""
+class Rates:
+    """H, J_b* and J_e of a state, base rows in inertial axes, and their rates along its motion.
+
+    Attributes
+    ----------
+    S, S_dot : (links, 6) columns of the links, about the base, and their rates
+    V : (links, 6) twists, likewise
+    I, I_dot : (links, 6, 6) inertias of the links by themselves, likewise
+    H, H_dot : (nv, nv)
+    J_b_star, J_b_star_dot : (6, n)
+    below : (links, links) 1 where joint j is on the way from link i to the base
+    columns : (links, n) 1 where a link belongs to a degree of freedom
+    carriers : (links,) the link in whose axes each column stands still: of joints with several, that of the body
+    """
 
     def __init__(self, state: State, points: Sequence[OperationalPoint]) -> None:
         self.state, self.points, self.robot = state, points, state.robot
         run = workspace.of(state, points)
         run.evaluate(kernel.FLOATING_BASE)
-        links = self.robot.links
+        links, self.carriers, self.below = self.robot.links, self._carriers(), self._below()
         r, V = run.table("r"), run.table("v").copy()
-        self.S = _carried(run.table("S"), -r)
+        self.S = carried(run.table("S"), -r)
         self.S[0] = 0.0
-        self.V = _carried(V, -r)
+        self.V = carried(V, -r)
         I, X = _symmetric(run.table("I")), _shift(r)
-        I = np.einsum("nji,njk,nkl->nil", X, I, X)
-        crm = _cross(self.V)
-        rate = -np.einsum("nji,njk->nik", crm, I) - np.einsum("nij,njk->nik", I, crm)
+        self.I = np.einsum("nji,njk,nkl->nil", X, I, X)
+        crm = cross_motion(self.V)
+        self.I_dot = -np.einsum("nji,njk->nik", crm, self.I) - np.einsum("nij,njk->nik", self.I, crm)
+        I, rate = self.I.copy(), self.I_dot.copy()
         for i in range(len(links.parent) - 1, 0, -1):
             I[links.parent[i]] += I[i]
             rate[links.parent[i]] += rate[i]
-        self.S_dot = np.einsum("nij,nj->ni", crm[self._carriers()], self.S)
+        self.S_dot = np.einsum("nij,nj->ni", crm[self.carriers], self.S)
         F = np.einsum("nij,nj->ni", I, self.S)
         F_dot = np.einsum("nij,nj->ni", rate, self.S) + np.einsum("nij,nj->ni", I, self.S_dot)
-        self._columns = np.eye(self.robot.n_joints + 1)[links.column][:, 1:]  # (links, n): whose degree of freedom
-        self._columns[0] = 0.0
-        below = self._below()
-        H_m, H_m_dot = below * (F @ self.S.T), below * (F @ self.S_dot.T + F_dot @ self.S.T)
-        self.H = self._joint_space(I[0], F, H_m) + np.diag(np.r_[np.zeros(6), self._columns.T @ links.armature[:, 0]])
+        self.columns = np.eye(self.robot.n_joints + 1)[links.column][:, 1:]  # (links, n): whose degree of freedom
+        self.columns[0] = 0.0
+        H_m, H_m_dot = self.below * (F @ self.S.T), self.below * (F @ self.S_dot.T + F_dot @ self.S.T)
+        self.H = self._joint_space(I[0], F, H_m) + np.diag(np.r_[np.zeros(6), self.columns.T @ links.armature[:, 0]])
         self.H_dot = self._joint_space(rate[0], F_dot, H_m_dot)
         H_b, H_bm = self.H[:6, :6], self.H[:6, 6:]
         self.J_b_star = -np.linalg.solve(H_b, H_bm)
         self.J_b_star_dot = -np.linalg.solve(H_b, self.H_dot[:6, 6:] + self.H_dot[:6, :6] @ self.J_b_star)
 
     def _carriers(self) -> Ints:
-        """Return (links,) the link in whose axes each column stands still: of joints with several, that of the body."""
         kind = self.robot.links.kind
         if UNKNOWN in kind:
             joint = self.robot.joint_of_link(int(np.flatnonzero(kind == UNKNOWN)[0]))
@@ -76,7 +87,6 @@ class _Rates:
         return carriers
 
     def _below(self) -> Floats:
-        """Return (links, links): 1 where joint j is on the way from link i to the base."""
         parent = self.robot.links.parent
         below = np.eye(len(parent))
         for i in range(1, len(parent)):
@@ -86,18 +96,18 @@ class _Rates:
     def _joint_space(self, base: Floats, F: Floats, H_m: Floats) -> Floats:
         """Put a matrix such as H together of its blocks, those of the joints by links; each pair (i, j) stands once."""
         whole = H_m + H_m.T - np.diag(np.diag(H_m))
-        H_bm = F.T @ self._columns
-        return np.block([[base, H_bm], [H_bm.T, self._columns.T @ whole @ self._columns]])
+        H_bm = F.T @ self.columns
+        return np.block([[base, H_bm], [H_bm.T, self.columns.T @ whole @ self.columns]])
 
     def jacobians(self) -> tuple[Floats, Floats, Floats, Floats]:
         """Return J_e and J_m* of the rows taken, and their rates."""
-        below, found = self._below(), []
+        found = []
         unit, none = np.eye(6), np.zeros((6, 6))
         for point in self.points:
             link = int(self.robot.link_of_joint[point.joint])
             p = self.state.placement_about_base(point).translation
-            columns = [one * below[link] @ (self._columns) for one in (self.S.T, self.S_dot.T)]
-            p_dot = _carried(self.V[link][None], p[None])[0, :3]
+            columns = [one * self.below[link] @ self.columns for one in (self.S.T, self.S_dot.T)]
+            p_dot = carried(self.V[link][None], p[None])[0, :3]
             J, J_dot = _at(p, p_dot, np.hstack([unit, columns[0]]), np.hstack([none, columns[1]]))
             star = columns[0] + self.J_b_star, columns[1] + self.J_b_star_dot
             found.append((J, J_dot, *_at(p, p_dot, *star)))
@@ -120,12 +130,12 @@ def _shift(d: Floats) -> Floats:
     return X
 
 
-def _carried(motions: Floats, d: Floats) -> Floats:
+def carried(motions: Floats, d: Floats) -> Floats:
     """Return motions (N, 6) at points `d` (N, 3) away."""
     return np.asarray(np.einsum("nij,nj->ni", _shift(d), motions))
 
 
-def _cross(V: Floats) -> Floats:
+def cross_motion(V: Floats) -> Floats:
     """Return V × (N, 6, 6)."""
     crm = np.zeros((len(V), 6, 6))
     crm[:, :3, :3] = crm[:, 3:, 3:] = _tilde(V[:, 3:])
@@ -170,7 +180,7 @@ def generalized_jacobian_rate(state: State, points: OperationalPoint | Sequence[
 
 def _along(state: State, points: OperationalPoint | Sequence[OperationalPoint], which: int) -> Floats:
     check_kind(state, State, "make it with robot.state(q, v)")
-    result = _Rates(state, points_of(state.robot, points)).jacobians()[which]
+    result = Rates(state, points_of(state.robot, points)).jacobians()[which]
     all_finite((result,), "the rate of the Jacobian")
     return result
 
@@ -230,7 +240,7 @@ def inertia_inverse_derivative(
     """
 
     def along(at: State) -> Floats:
-        rates = _Rates(at, points_of(at.robot, points))
+        rates = Rates(at, points_of(at.robot, points))
         J, _, J_dot, _ = rates.jacobians()
         response = np.linalg.solve(rates.H, J.T)
         half = J_dot @ response

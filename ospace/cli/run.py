@@ -265,7 +265,7 @@ def _show_phases(console: Console, phases: Sequence[PhaseResult]) -> None:
         ],
         console.width,
     )
-    tasks = [[tuple(map(plain, row)) for row in summary_text.tasks(one) if one.errors] for one in phases]
+    tasks = [[tuple(map(plain, row)) for row in summary_text.rows(one) if one.time.size] for one in phases]
     below = fit(_TASK, [row for rows in tasks for row in rows], console.width, "  ")
     left = iter(below.rows)
     lines = [*table.heading, *(below.heading if any(tasks) else ())]

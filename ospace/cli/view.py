@@ -14,7 +14,7 @@ from ospace.cli.pose import joint_values
 if TYPE_CHECKING:
     from ospace.kernels.tree import Floats
     from ospace.model.robot import SpaceRobot
-    from ospace.simulation.zero_momentum import FloatingMotion
+    from ospace.simulation.zero_momentum import JointSweep
     from ospace.urdf.errors import UnsoundModelError
     from ospace.visual import Scene
     from ospace.visual.page import Content
@@ -60,8 +60,11 @@ def add_to(verbs: Any) -> None:
     )
     verb.add_argument("--collision", action="store_true", help="show collision shapes instead of visuals")
     verb.add_argument(
-        "--sweep", action="store_true", help="move every joint through its range; the base reacts, its momentum zero"
+        "--sweep",
+        action="store_true",
+        help="move every joint through its range; the base reacts, its momentum zero; prints by how much",
     )
+    verb.add_argument("--csv", metavar="FILE", type=output.file, help="write the motion of --sweep as a table")
     verb.add_argument("--background", choices=("space", "paper"), default="space", help="default: %(default)s")
     verb.add_argument("--html", metavar="FILE", type=output.file, help="write one file that any browser opens")
     verb.add_argument(
@@ -103,12 +106,14 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
                 given.refuse_usage(f"--{option} selects where to serve: give it without --html and --screenshot")
     if given.sweep and given.screenshot and not given.html:
         given.refuse_usage("--screenshot is a still picture: give --html too, for the motion of --sweep")
+    if given.csv and not given.sweep:
+        given.refuse_usage("--csv writes the motion of --sweep: give both")
     require_scene("a scene")
     if given.screenshot:
         browser.find()  # before any work is done
     file = find(given.urdf)
-    output.distinct([file], [given.html, given.screenshot])
-    output.writable(given.html, given.screenshot)
+    output.distinct([file], [given.html, given.screenshot, given.csv])
+    output.writable(given.html, given.screenshot, given.csv)
     folders = package_dirs(given)
     try:
         robot = SpaceRobot.from_urdf(
@@ -123,9 +128,16 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     scene.display(q)
     for finding in scene.findings:
         output.tell(str(finding))
+    motion, text = _sweep(given, robot, q) if given.sweep else None, ""
+    if motion is not None:
+        text = _reactions(robot, motion)
+        if given.csv:
+            _write_motion(given.csv, robot, motion)
+            text += f"wrote {given.csv}\n"
     if given.html or given.screenshot:
-        return 0, _write(given, scene.html, lambda: _animated(given, scene, q))
-    return 0, _serve(given, scene.content, _player(given, scene, q))
+        return 0, text + _write(given, scene.html, lambda: _animated(given, scene, motion))
+    print(text, end="", flush=True)
+    return 0, _serve(given, scene.content, _player(scene, motion))
 
 
 def _unsound(
@@ -148,7 +160,7 @@ def _unsound(
     errors = sum(finding.severity == "error" for finding in faults)
     for text in (*map(str, faults), *drawn.notes):
         output.tell(text)
-    unused = [f"--{name}" for name in ("point", "pose", "sweep") if getattr(given, name)]
+    unused = [f"--{name}" for name in ("point", "pose", "sweep", "csv") if getattr(given, name)]
     if given.layers is not None:
         unused += [f"layer {name}" for name in layers if name not in TITLES]
     if unused:
@@ -178,7 +190,7 @@ def _scene(given: argparse.Namespace, robot: SpaceRobot) -> Scene:
     return Scene(robot, points, show=_layers(given), background=given.background)
 
 
-def _sweep(given: argparse.Namespace, robot: SpaceRobot, q: Floats) -> FloatingMotion:
+def _sweep(given: argparse.Namespace, robot: SpaceRobot, q: Floats) -> JointSweep:
     from ospace.cli import progress
     from ospace.simulation.zero_momentum import joint_sweep
 
@@ -186,12 +198,44 @@ def _sweep(given: argparse.Namespace, robot: SpaceRobot, q: Floats) -> FloatingM
         return joint_sweep(robot, q, progress=lambda share: advance(int(100.0 * share)))
 
 
-def _animated(given: argparse.Namespace, scene: Scene, q: Floats) -> str:
+def _reactions(robot: SpaceRobot, motion: JointSweep) -> str:
+    """Return the table of a sweep: how far each joint moves, and how far the base turns and shifts meanwhile."""
+    from math import degrees
+
+    from ospace.cli.columns import Column
+    from ospace.cli.console import buffered_console, buffered_text, plain, show_table, show_text
+
+    turns = robot.turning_rates
+    rows = []
+    for name, turn, ways, (shift, angle) in zip(robot.rate_names, turns, motion.ranges, motion.largest, strict=True):
+        low, high = (f"{degrees(way):.1f} deg" if turn else f"{way:.3g} m" for way in ways + 0.0)
+        rows.append((plain(name), low, high, f"{degrees(angle):.3g} deg", f"{1e3 * shift:.3g} mm"))
+    console = buffered_console()
+    show_text(console, "The base while each joint moves by itself and nothing else acts:")
+    headings = ("down", "up", "base turns", "base shifts")
+    show_table(console, [Column("joint"), *(Column(heading, right=True) for heading in headings)], rows)
+    return buffered_text(console)
+
+
+def _write_motion(file: Path, robot: SpaceRobot, motion: JointSweep) -> None:
+    """Write a sweep: which joint moves when, shift and turn of the base, and q."""
+    import csv
+
+    from ospace.files import replacing
+
+    heading = ["time [s]", "joint", "base shift [m]", "base turn [rad]", *(f"q[{i}]" for i in range(robot.nq))]
+    with replacing(file) as part, part.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(heading)
+        for time, i, base, q in zip(motion.time, motion.moving, motion.base, motion.q, strict=True):
+            writer.writerow([float(time), robot.rate_names[i], *map(float, base), *map(float, q)])
+
+
+def _animated(given: argparse.Namespace, scene: Scene, motion: JointSweep | None) -> str:
     """Return the page of a scene, in motion with --sweep."""
     from ospace.cli import progress
 
-    if given.sweep:
-        motion = _sweep(given, scene.robot, q)
+    if motion is not None:
         with progress.bar(given, "drawing the motion", 1):
             scene.animate(motion)
     return scene.html()
@@ -231,11 +275,10 @@ def _serve(given: argparse.Namespace, content: Callable[[], Content], play: Call
     return ""
 
 
-def _player(given: argparse.Namespace, scene: Scene, q: Floats) -> Callable[[], None] | None:
+def _player(scene: Scene, motion: JointSweep | None) -> Callable[[], None] | None:
     """Return what shows the motion of --sweep once, at its own pace; None without one."""
-    if not given.sweep:
+    if motion is None:
         return None
-    motion = _sweep(given, scene.robot, q)
 
     def play() -> None:
         began, k = clock.perf_counter(), 0

@@ -23,6 +23,7 @@ from ospace.control.tasks import (
     RelativePoseTask,
     RowsTask,
     Task,
+    ZeroReactionTask,
 )
 
 __all__ = [
@@ -50,5 +51,6 @@ __all__ = [
     "RowsInequality",
     "RowsTask",
     "Task",
+    "ZeroReactionTask",
     "realtime",
 ]

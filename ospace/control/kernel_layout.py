@@ -21,6 +21,7 @@ from ospace.kernels.tasks.tables import (
     POSTURE,
     REFERENCE,
     RELATIVE,
+    ZERO_REACTION,
     BaseActuation,
     TaskRows,
     Tasks,
@@ -29,7 +30,9 @@ from ospace.kernels.tree import UNKNOWN, Floats, Nodes
 from ospace.model.points import OperationalPoint
 from ospace.model.robot import SpaceRobot
 
-_POINTS = {MOTION: 1, RELATIVE: 2, LOOK_AT: 1, CENTRE_OF_MASS: 0, MOMENTUM: 0, POSTURE: 0, DAMPING: 0, CUSTOM: None}
+_POINTS = {MOTION: 1, RELATIVE: 2, LOOK_AT: 1, CUSTOM: None} | dict.fromkeys(
+    (CENTRE_OF_MASS, MOMENTUM, POSTURE, DAMPING, ZERO_REACTION), 0
+)
 """How many points the kernel of each kind of task takes; None for any number."""
 
 

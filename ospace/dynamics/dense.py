@@ -86,6 +86,12 @@ class Dense:
         return np.concatenate([h[:3], h[3:] + np.cross(self._data.com[0], h[:3])])
 
     @cached_property
+    def A_G(self) -> Floats:
+        """Momentum about the mass centre by ẋ (6, nv), inertial axes: `pin.computeCentroidalMap`."""
+        A_G = pin.computeCentroidalMap(self._model, self._data, self._q)
+        return np.asarray(A_G @ self._G @ self.T.T)
+
+    @cached_property
     def centre_of_mass(self) -> Floats:
         """Mass centre in the inertial frame (3,), `pin.centerOfMass`."""
         return np.asarray(pin.centerOfMass(self._model, self._data, self._q) + self.state.q[:3])

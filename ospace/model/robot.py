@@ -179,6 +179,12 @@ class SpaceRobot(Layout):
         return names
 
     @cached_property
+    def turning_rates(self) -> npt.NDArray[np.bool_]:
+        """Mask of the joint rates ``v[6:]`` that turn (n,), rad/s; the others shift, m/s."""
+        columns = self.state(self.configuration()).table("S")[self.links.link_of]
+        return np.asarray(np.abs(columns[:, 3:]).max(axis=1, initial=0.0) > 0.0)
+
+    @cached_property
     def leaf_links(self) -> list[str]:
         """Links from which no joint goes on; the base alone where there is no joint."""
         frames = self.model.frames

@@ -319,6 +319,7 @@ def _fit_phase(name: str, phase: PhaseResult) -> None:
     _are(float, phase.start, phase.end)
     cycles = _fit_times(f"{name}/time", phase.time)
     _fit(f"{name}/cycle_time", phase.cycle_time, cycles)
+    _fit(f"{name}/base_motion", phase.base_motion, cycles, 2)
     for task, errors in phase.errors.items():
         _fit(f"{name}/errors/{task}/norms", errors.norms, cycles, 2)
         linear, angular = errors.units
@@ -402,6 +403,8 @@ def to_csv(run: Run, folder: str | os.PathLike[str]) -> list[Path]:
                 if not np.isnan(errors.norms[:, c]).any():
                     heading.append(_quoted(f"{task} [{unit}]"))
                     columns.append(errors.norms[:, c])
+        heading += ["base shift [m]", "base turn [rad]"]
+        columns += [*phase.base_motion.T]
         written.append(_table(to / f"errors_{k}_{_safe(phase.name)}.csv", heading, np.column_stack(columns)))
     for k, segment in enumerate(run.segments):
         own = to / f"segment_{k}"

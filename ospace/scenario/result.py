@@ -120,6 +120,8 @@ class PhaseResult:
     poses : mapping of str to (N, 7)
         Of each point that a task is about: place (m) and quaternion x, y, z, w, inertial axes, by Pinocchio's forward
         kinematics. The base is not among them: its pose is the first seven numbers of q.
+    base_motion : (N, 2)
+        Shift (m) and turn (rad) of the base-link frame since the first cycle, whether or not a task holds it.
     grasp : Contact, optional
         That ended it.
     shortfalls : mapping of str to int
@@ -142,6 +144,7 @@ class PhaseResult:
     cycle_time: Floats
     sigma_min: Mapping[str, Floats] = field(default_factory=dict)
     poses: Mapping[str, Floats] = field(default_factory=dict)
+    base_motion: Floats = field(default_factory=lambda: np.zeros((0, 2)))
     grasp: Contact | None = None
     shortfalls: Mapping[str, int] = field(default_factory=dict)
     most_short: Mapping[str, str] = field(default_factory=dict)

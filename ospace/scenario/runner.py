@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from ospace.analysis import base_displacement
 from ospace.control import Controller, Function, Inequality, RowsInequality, Task
 from ospace.control.references import Reference
 from ospace.kernels.tree import Floats
@@ -300,6 +301,7 @@ class _ScenarioRunner:
             if phase.cycles:
                 over = k + 1 < len(phases) and phases[k + 1].cycles
                 result = phase.result(segment, phases[k + 1].first * self.period if over else end)
+                result = replace(result, base_motion=base_motion(trajectory, result.time))
                 if failure and phase.outcome is None:
                     result = replace(result, outcome="failed", reason=failure)
                 self.results.append(result)
@@ -377,6 +379,12 @@ class _ScenarioRunner:
             return Actuation(np.array([known[name] for name in torque]), command.base_wrench, command.wheel_torque)
 
         self.commands.convert(converted)
+
+
+def base_motion(trajectory: Trajectory, times: Floats) -> Floats:
+    """Return how far the base has shifted (m) and turned (rad) since the first of `times`, at each of them (N, 2)."""
+    records = np.searchsorted(trajectory.time, times - _ROUNDING)
+    return base_displacement(trajectory.q[np.minimum(records, len(trajectory) - 1), :7])
 
 
 def _nothing(plan: PhaseTable, segment: int, time: float, failure: str) -> PhaseResult:

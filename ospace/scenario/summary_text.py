@@ -13,6 +13,7 @@ from ospace.scenario.schema import Scenario
 from ospace.simulation import Excess
 
 _SHOWN = {"m": (1e3, "mm"), "rad": (180.0 / math.pi, "deg")}
+_BASE_ROW = "base moved"
 _MOST_LIMITS, _MOST_SHORTFALLS = 6, 4
 
 
@@ -53,6 +54,15 @@ def tasks(phase: PhaseResult) -> list[tuple[str, str, str]]:
     """Return name, worst error and error at the end of each task; dashes where there is none."""
     rows = [(name, errors(one.worst, one.units), errors(one.last, one.units)) for name, one in phase.errors.items()]
     return rows or [("-", "-", "-")]
+
+
+def rows(phase: PhaseResult) -> list[tuple[str, str, str]]:
+    """Return the rows of `tasks`, and how far the base has moved: at most, and at the end."""
+    moved = phase.base_motion
+    if len(moved) == 0:
+        return tasks(phase)
+    known = tasks(phase) if phase.errors else []
+    return [*known, (_BASE_ROW, errors(moved.max(axis=0), ("m", "rad")), errors(moved[-1], ("m", "rad")))]
 
 
 def cycles(phase: PhaseResult) -> str:

@@ -20,10 +20,11 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from ospace.analysis import base_displacement
 from ospace.dynamics.generalized_jacobian import base_generalized_jacobian
 from ospace.exceptions import OspaceError
 from ospace.kernels.minimum_jerk import minimum_jerk
-from ospace.kernels.tree import Floats
+from ospace.kernels.tree import Floats, Ints
 from ospace.model.robot import SpaceRobot
 
 Joints = Callable[[float], tuple[Floats, Floats]]
@@ -50,6 +51,30 @@ class FloatingMotion:
     time: Floats
     q: Floats
     v: Floats
+
+
+@dataclass(frozen=True)
+class JointSweep(FloatingMotion):
+    """A motion with zero momentum in which one degree of freedom after the other moves and comes back.
+
+    Attributes
+    ----------
+    moving : (N,) int array
+        Which of the n joint rates; at the time in which one ends and another begins, the latter.
+    ranges : (n, 2)
+        How far each moves down and up from the start; rad or m.
+    base : (N, 2)
+        Shift (m) and turn (rad) of the base since the start.
+    """
+
+    moving: Ints
+    ranges: Floats
+    base: Floats
+
+    @property
+    def largest(self) -> Floats:
+        """The largest shift (m) and turn (rad) of the base while each of them moves (n, 2)."""
+        return np.array([self.base[self.moving == i].max(axis=0) for i in range(len(self.ranges))])
 
 
 def zero_momentum_motion(
@@ -110,9 +135,7 @@ def zero_momentum_motion(
     return FloatingMotion(time, Q, V)
 
 
-def joint_sweep(
-    robot: SpaceRobot, q: npt.ArrayLike, *, progress: Callable[[float], None] | None = None
-) -> FloatingMotion:
+def joint_sweep(robot: SpaceRobot, q: npt.ArrayLike, *, progress: Callable[[float], None] | None = None) -> JointSweep:
     """Move one joint after the other from `q` to its upper limit, to its lower one and back, the base reacting.
 
     Each way is one of minimum jerk and takes 4 s at most, so the whole at most 12 s for each degree of freedom.
@@ -139,22 +162,22 @@ def joint_sweep(
     start = robot.state(q).q
     legs: list[tuple[float, float, int, float, float]] = []  # from time, for how long, joint, from, to
     begin = 0.0
-    for i, (low, high) in enumerate(_ranges(robot, start)):
+    ranges = _ranges(robot, start)
+    for i, (low, high) in enumerate(ranges):
         for here, there in ((0.0, high), (high, low), (low, 0.0)):
             lasts = min(_LONGEST, _PAUSE + _PACE * abs(there - here))
             lasts = _STEP * math.ceil(lasts / _STEP - 1e-6)  # no step across two ways
             legs.append((begin, lasts, i, here, there))
             begin += lasts
-    return zero_momentum_motion(robot, start, _along(legs, robot.n_joints), begin, progress=progress)
+    motion = zero_momentum_motion(robot, start, _along(legs, robot.n_joints), begin, progress=progress)
+    moving = np.array([legs[k][2] for k in _leg_at(legs, motion.time)])
+    return JointSweep(motion.time, motion.q, motion.v, moving, np.array(ranges), base_displacement(motion.q[:, :7]))
 
 
 def _along(legs: Sequence[tuple[float, float, int, float, float]], n: int) -> Joints:
-    begins = np.array([leg[0] for leg in legs])
-
     def joints(time: float) -> tuple[Floats, Floats]:
         moved, rates = np.zeros(n), np.zeros(n)
-        k = max(0, int(np.searchsorted(begins, time, side="right")) - 1)
-        begin, lasts, i, here, there = legs[k]
+        begin, lasts, i, here, there = legs[int(_leg_at(legs, time))]
         way, rate, _ = minimum_jerk((time - begin) / lasts)
         moved[i] = here + (there - here) * way
         rates[i] = (there - here) / lasts * rate
@@ -163,14 +186,18 @@ def _along(legs: Sequence[tuple[float, float, int, float, float]], n: int) -> Jo
     return joints
 
 
+def _leg_at(legs: Sequence[tuple[float, float, int, float, float]], time: npt.ArrayLike) -> Ints:
+    """Return the number of the way that each time belongs to."""
+    begins = [leg[0] for leg in legs]
+    return np.asarray(np.maximum(0, np.searchsorted(begins, time, side="right") - 1))
+
+
 def _ranges(robot: SpaceRobot, q: Floats) -> list[tuple[float, float]]:
     """Return how far each degree of freedom of the joints may move down and up from `q`."""
     model, ranges = robot.model, []
-    S = robot.state(q).table("S")[robot.links.link_of]
     for j in range(2, model.njoints):
         for i in range(model.nvs[j]):
-            turns = np.abs(S[model.idx_vs[j] - 6 + i, 3:]).max() > 0.0
-            most = _TURN if turns else _SHIFT
+            most = _TURN if robot.turning_rates[model.idx_vs[j] - 6 + i] else _SHIFT
             low, high, at = -math.inf, math.inf, 0.0
             if model.nqs[j] == model.nvs[j]:  # of others, coordinates are no degrees of freedom
                 k = model.idx_qs[j] + i

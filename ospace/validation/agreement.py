@@ -25,7 +25,8 @@ import numpy as np
 
 from ospace.dynamics.batch import QUANTITIES, interpreted_batch, operational_space_batch
 from ospace.model.layout import Layout
-from ospace.validation.quantities import TABLE
+from ospace.validation.dense_rates import has_rates
+from ospace.validation.quantities import PIN_DERIVATIVES, TABLE
 from ospace.validation.sample import Sample
 
 UNDECIDED = 1e-4
@@ -68,7 +69,8 @@ class AgreementTable:
 
     def __init__(self, robot: Layout) -> None:
         coupled = [quantity.coupled() for quantity in TABLE]
-        self._table = TABLE if robot.free is None else [quantity for quantity in coupled if quantity]
+        table = TABLE if robot.free is None else [quantity for quantity in coupled if quantity]
+        self._table = [one for one in table if one.checked_against != PIN_DERIVATIVES or has_rates(robot)]
         self._seen: list[list[tuple[float, float]]] = [[] for _ in self._table]
 
     def add(self, sample: Sample) -> None:

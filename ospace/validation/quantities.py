@@ -9,11 +9,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ospace import analysis
 from ospace.dynamics.dense import solve
 from ospace.dynamics.joint_space import inverse_dynamics
 from ospace.kernels.tree import Floats
 from ospace.validation.perturbation import Factor
-from ospace.validation.sample import Sample
+from ospace.validation.sample import Sample, condition
 
 
 class Comparison(NamedTuple):
@@ -94,6 +95,9 @@ _OPERATIONAL = _ways("PV-OSIMr", "operational") + _FORWARD
 _RESPONSE = _ways("PV-OSIMr", "operational", batch=False) + _FORWARD
 
 TABLE: list[ComparedQuantity] = []
+
+PIN_DERIVATIVES = "Pinocchio's derivatives"
+"""What rates are checked against, of robots whose joints Pinocchio has right derivatives of."""
 
 
 def quantity(name: str, equation: str, ways: str | Sequence[Way], checked_against: str) -> Callable[[Compare], Compare]:
@@ -450,3 +454,39 @@ def forces_of_motion(s: Sample, by: Any) -> Comparison:
     reference = s.dense.H @ acceleration + s.dense.c
     natural = s.speed + float(np.linalg.norm(s.velocity_scale * acceleration))
     return Comparison(inverse_dynamics(s.state, acceleration), reference, s.force_scale, 1.0, s.lever, natural)
+
+
+@quantity("momentum of wheels K", "21", f"{_BODIES}, state", "pin.computeCentroidalMap")
+def wheel_momentum(s: Sample, by: Any) -> Comparison:
+    condition = s.condition_H_b * s.reach
+    rows, columns = s.force_scale[3:6], s.force_scale[6:]
+    return Comparison(analysis.wheel_momentum(s.state), s.dense.A_G[3:, 6:], rows, columns, condition)
+
+
+@quantity("rate of J_m*", "5, 29-31", "tangent sweep, state", PIN_DERIVATIVES)
+def generalized_jacobian_rate(s: Sample, by: Any) -> Comparison:
+    value = analysis.generalized_jacobian_rate(s.state, s.points)
+    condition = s.condition_H_b * (s.reach + s.point_lever**0.5)
+    return Comparison(value, s.rates.J_m_star_dot, s.point_scale, s.force_scale[6:], condition, s.fastest)
+
+
+@quantity("rate of the inverse inertia", "37-41", "tangent sweep, state", PIN_DERIVATIVES)
+def inertia_inverse_rate(s: Sample, by: Any) -> Comparison:
+    value = analysis.inertia_inverse_derivative(s.state, s.points, s.state.v)
+    return Comparison(value, s.rates.Gamma_e_inv_dot, s.point_scale, s.point_scale, s.condition_mobility, s.fastest)
+
+
+@quantity("rate of the bias force of each point", "45", "tangent sweep, state", PIN_DERIVATIVES)
+def bias_force_rate(s: Sample, by: Any) -> Comparison:
+    """Compare what μ̇_e is solved from: Γ_e⁻¹ μ̇_e = μ̇ − (Γ_e⁻¹)˙ μ_e."""
+
+    def at(one: Sample) -> Comparison:
+        value = analysis.bias_force_derivative(one.state, one.points, np.r_[one.state.v, one.state.v])
+        dense, bias_force = one.rates, one.dense.Gamma_e @ one.dense.mu
+        changed = dense.Gamma_e_inv_dot @ bias_force
+        natural = one.speed * one.fastest + float(np.abs(one.point_scale * changed).max())
+        total = one.condition_mobility + condition(dense.Gamma_e_inv)
+        reference = dense.mu_dot - changed
+        return Comparison(dense.Gamma_e_inv @ value, reference, one.point_scale, 1.0, total, natural)
+
+    return _worst_point(s, at)

@@ -47,6 +47,11 @@ class ModelFacts:
     units: str
     points: list[dict[str, Any]]
 
+    @property
+    def length(self) -> float:
+        """Characteristic length: the radius of gyration about the mass centre, m; 1 where all mass is in one place."""
+        return float(np.sqrt(0.5 * sum(self.principal_inertias) / self.total_mass)) or 1.0
+
 
 @dataclass(frozen=True)
 class Report:
@@ -151,7 +156,8 @@ def check(
     """
     points = points_of(robot, points)
     rng = np.random.default_rng(seed)
-    table, extremes, findings = AgreementTable(robot), Extremes(points), list(robot.findings)
+    facts = model_facts(robot, points)
+    table, extremes, findings = AgreementTable(robot), Extremes(robot, points, facts.length), list(robot.findings)
     if robot.description is not None and robot.source is not None:
         findings += of_meshes(robot.description, robot.source, robot.package_dirs, robot.findings)
     reader = _second_reader(robot, findings)
@@ -186,7 +192,7 @@ def check(
     except (OspaceError, np.linalg.LinAlgError) as error:
         findings.append(make_finding("not-computable", f"robot '{robot.name}'", str(error)))
     findings += extremes.findings(robot.name)
-    return Report(model_facts(robot, points), by_severity(findings), rows, done, seed)
+    return Report(facts, by_severity(findings), rows, done, seed)
 
 
 def _second_reader(robot: SpaceRobot, findings: list[Finding]) -> IndependentReader | None:

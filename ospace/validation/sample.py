@@ -28,6 +28,7 @@ from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
+from ospace.validation.dense_rates import DenseRates
 from ospace.validation.perturbation import Factor, InversePerturbation, rank_is_decided
 
 FACTOR = 16.0
@@ -86,6 +87,10 @@ class Sample:
     """Everything that the batch offers, of this state, by `AgreementTable.add_batch`."""
 
     @cached_property
+    def rates(self) -> DenseRates:
+        return DenseRates(self.state, self.points)
+
+    @cached_property
     def forward(self) -> OperationalSpace:
         return operational_space(self.state, self.points, "forward")
 
@@ -130,6 +135,11 @@ class Sample:
         v = self.dense.velocity.copy()
         v[:3] = 0.0
         return float(np.linalg.norm(self.velocity_scale * v) * np.abs(v).max())
+
+    @cached_property
+    def fastest(self) -> float:
+        """The fastest rate, from a frame beside the base: natural size of rates of what has unit size."""
+        return float(np.abs(self.state.v[3:]).max())
 
     @cached_property
     def lever(self) -> float:

@@ -62,6 +62,7 @@ def test_a_run_that_passes(run, made, options):
     assert (status, err) == (0, "")
     assert re.search(r"^wait, a little +0\.000 +0\.050 +complete +5 nominal$", out, re.MULTILINE)
     assert re.search(r"^move +0\.050 +0\.350 +complete +30 nominal\n  tip +\S+ mm +\S+ mm$", out, re.MULTILINE)
+    assert len(re.findall(r"^  base moved +\S+ mm, \S+ deg +\S+ mm, \S+ deg$", out, re.MULTILINE)) == 2
     assert "limits of joints exceeded: none" in out
     assert re.search(r"^linear momentum .* pass$", out, re.MULTILINE)
     assert out.splitlines()[-1] == f"passed: {file}: 2 of 2 phases complete, certificate passed"
@@ -148,6 +149,10 @@ def test_the_files_hold_what_the_table_says(run, made, tmp_path):
     assert rows[1][:3] == ["wait, a little", "complete", "0"]
     errors = np.loadtxt(folder / "errors_1_move.csv", delimiter=",", skiprows=1)
     np.testing.assert_array_equal(errors[:, 1] * 1e3, tip)
+    np.testing.assert_array_equal(errors[:, 2:], stored.phases[1].base_motion)
+    shift, turn = re.findall(r"^  base moved +(\S+) mm, (\S+) deg", out, re.MULTILINE)[1]
+    assert shift == f"{1e3 * errors[:, 2].max():.2g}"
+    assert turn == f"{np.degrees(errors[:, 3].max()):.2g}"
     q = np.loadtxt(folder / "segment_0" / "q.csv", delimiter=",", skiprows=1)
     np.testing.assert_array_equal(q[:, 1:], stored.segments[0].trajectory.q)
     assert list(tmp_path.glob(".*")) == []

@@ -1,7 +1,9 @@
 """`ospace view` as its users meet it: what it writes, and what it says to mistakes."""
 
 import contextlib
+import csv
 import html
+import math
 import re
 import select
 import signal
@@ -118,6 +120,7 @@ def test_view_refuses_wrong_arguments(view, tmp_path, arguments, words):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
+        (["--csv", "out.csv"], "--csv writes the motion of --sweep: give both"),
         (["--sweep", "--screenshot", "out.png"], "--screenshot is a still picture: give --html too"),
         (["--html", "out.html", "--host", "127.0.0.1"], "--host selects where to serve: give it without --html"),
         (["--screenshot", "out.png", "--port", "7000"], "--port selects where to serve: give it without --html"),
@@ -157,6 +160,21 @@ def test_a_sweep_reports_its_progress(view, monkeypatch):
     assert view("planar_2r", "--sweep", "--html", "out.html")[0] == 0
     assert {total for _, total in reported} == {100}
     assert [reported[0][0], reported[-1][0]] == [0, 100]
+
+
+def test_a_sweep_is_printed_and_exported(view, tmp_path):
+    status, out, err = view("planar_2r", "--sweep", "--html", "out.html", "--csv", "out.csv")
+    assert (status, err) == (0, "")
+    rows = re.findall(r"^(joint_\d) +(\S+) deg +(\S+) deg +(\S+) deg +(\S+) mm$", out, re.MULTILINE)
+    assert [row[:3] for row in rows] == [("joint_1", "-170.0", "170.0"), ("joint_2", "-170.0", "170.0")]
+    with (tmp_path / "out.csv").open(newline="") as file:
+        heading, *lines = csv.reader(file)
+    assert heading[:5] == ["time [s]", "joint", "base shift [m]", "base turn [rad]", "q[0]"]
+    for joint, _, _, turn, shift in rows:
+        mine = [line for line in lines if line[1] == joint]
+        assert math.degrees(max(float(line[3]) for line in mine)) == pytest.approx(float(turn), rel=5e-3)
+        assert 1e3 * max(float(line[2]) for line in mine) == pytest.approx(float(shift), rel=5e-3)
+    assert len(lines[0]) == len(heading)
 
 
 def test_no_picture_without_chromium(view, tmp_path, monkeypatch):

@@ -260,6 +260,21 @@ def test_a_phase_that_cannot_begin_fails(load, monkeypatch):
     assert run.phases[1].start == run.phases[1].end
 
 
+def test_shift_and_turn_of_the_base_are_those_of_the_trajectory(run):
+    assert any(phase.base_motion[:, 1].max() > 1e-3 for phase in run.phases)
+    for phase in run.phases:
+        trajectory = run.segments[phase.segment].trajectory
+        assert len(phase.base_motion) == len(phase.time)
+        for k in (0, len(phase.time) // 2, -1):
+            first, now = (
+                pin.XYZQUATToSE3(trajectory.q[np.abs(trajectory.time - time).argmin(), :7])
+                for time in (phase.time[0], phase.time[k])
+            )
+            shift, turn = phase.base_motion[k]
+            assert shift == pytest.approx(np.linalg.norm(now.translation - first.translation), abs=1e-12)
+            assert turn == pytest.approx(np.linalg.norm(pin.log3(first.rotation.T @ now.rotation)), abs=1e-7)
+
+
 @pytest.mark.parametrize("turn", [-200.0, 180.0, 500.0])
 def test_a_turn_of_any_angle_is_made(load, turn):
     """By the base, on wheels; 500 deg is one whole turn and 140 deg."""

@@ -146,6 +146,23 @@ def test_a_sweep_goes_to_the_limits_and_back():
         np.testing.assert_allclose(pin.centerOfMass(robot.model, robot.model.createData(), one), centre, atol=1e-11)
 
 
+def test_a_sweep_tells_how_far_the_base_turns():
+    """The published arm turns its base by 43.285 deg while joint 1 goes from 0 to 90 deg (Papadopoulos, Dubowsky)."""
+    robot = SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")
+    motion = joint_sweep(robot, robot.configuration())
+    np.testing.assert_allclose(motion.ranges, [[-2.9671, 2.9671]] * 2)
+    for i, (shift, turn) in enumerate(motion.largest):
+        part = motion.q[motion.moving == i]
+        assert np.ptp(part[:, 7 + i]) == pytest.approx(2 * 2.9671, abs=1e-6)
+        assert np.ptp(part[:, 8 - i]) < 1e-12
+        turns = [np.linalg.norm(pin.log3(pin.XYZQUATToSE3(q[:7]).rotation)) for q in part]
+        assert turn == pytest.approx(max(turns), abs=1e-9)
+        assert shift == pytest.approx(np.linalg.norm(part[:, :3], axis=1).max(), abs=1e-12)
+    rising = motion.q[: np.argmax(motion.q[:, 7]), 7]
+    at = np.interp(np.pi / 2, rising, motion.base[: len(rising), 1])
+    assert at == pytest.approx(np.radians(43.28500849), abs=1e-4)
+
+
 @pytest.mark.parametrize("duration", [0.0, -1.0, np.nan, np.inf])
 def test_a_duration_that_is_none_is_refused(duration):
     robot = SpaceRobot.from_urdf(MODELS / "planar_2r.urdf")

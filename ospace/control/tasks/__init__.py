@@ -12,6 +12,7 @@ from ospace.control.tasks.position import PositionTask
 from ospace.control.tasks.posture import PostureTask
 from ospace.control.tasks.relative_pose import RelativePoseTask
 from ospace.control.tasks.task import Completion, Task
+from ospace.control.tasks.zero_reaction import ZeroReactionTask
 
 __all__ = [
     "BaseAttitudeTask",
@@ -28,4 +29,5 @@ __all__ = [
     "RelativePoseTask",
     "RowsTask",
     "Task",
+    "ZeroReactionTask",
 ]

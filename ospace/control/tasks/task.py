@@ -27,10 +27,10 @@ class Completion:
     Attributes
     ----------
     position : float
-        Largest norm of the linear rows' error: m; of a momentum task N s.
+        Largest norm of the linear rows' error: m; of a momentum task N s, of a zero-reaction task m/s.
     angle : float
         Largest norm of the angular rows' error, or the largest error of a joint: rad (m for prismatic joints); of a
-        momentum task N m s, of a damping task rad/s.
+        momentum task N m s, of a damping or zero-reaction task rad/s.
     hold : float
         s.
 

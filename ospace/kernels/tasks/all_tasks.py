@@ -18,10 +18,12 @@ from ospace.kernels.tasks.tables import (
     MOTION,
     POSTURE,
     RELATIVE,
+    ZERO_REACTION,
     BaseActuation,
     TaskRows,
     Tasks,
 )
+from ospace.kernels.tasks.zero_reaction import zero_reaction_rows
 from ospace.kernels.workspace import Robot, Work
 
 
@@ -41,5 +43,7 @@ def assemble_rows(w: Work, robot: Robot, base: BaseActuation, tasks: Tasks, rows
             centre_of_mass_rows(w, base, tasks, rows, t, time)
         elif kind == MOMENTUM:
             momentum_rows(w, base, tasks, rows, t, time)
+        elif kind == ZERO_REACTION:
+            zero_reaction_rows(w, tasks, rows, t)
         elif kind in (POSTURE, DAMPING):
             joint_rows(w, robot, tasks, rows, t)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from ospace.kernels.tree import Floats, Ints
 
-MOTION, RELATIVE, LOOK_AT, CENTRE_OF_MASS, MOMENTUM, POSTURE, DAMPING, CUSTOM = range(8)
+MOTION, RELATIVE, LOOK_AT, CENTRE_OF_MASS, MOMENTUM, POSTURE, DAMPING, CUSTOM, ZERO_REACTION = range(9)
 """Kinds of tasks: which kernel writes their rows; those of `CUSTOM` ones are there before."""
 
 # Columns of a reference: start and duration of a minimum-jerk motion, position, displacement, rotation by columns, its

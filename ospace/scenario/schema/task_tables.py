@@ -21,6 +21,7 @@ from ospace.control import (
     PostureTask,
     RelativePoseTask,
     Task,
+    ZeroReactionTask,
 )
 from ospace.control.references import Reference
 from ospace.control.tasks.pose import AXES_IN
@@ -103,6 +104,17 @@ class MomentumCompletion(CompletionTable):
     )
 
 
+class RateCompletion(CompletionTable):
+    """Completion of a task of rates."""
+
+    position: Annotated[float, Quantity("velocity", above=0.0, infinite=True)] = unbounded_field(
+        "Largest norm of the linear velocity"
+    )
+    angle: Annotated[float, Quantity("angular velocity", above=0.0, infinite=True)] = unbounded_field(
+        "Largest norm of the angular velocity"
+    )
+
+
 class TaskTable(Table):
     """A task; what it has beside these keys is that of its type."""
 
@@ -120,7 +132,7 @@ class TaskTable(Table):
 
     @property
     def followed(self) -> Goal | None:
-        """Its goal; None for tasks that follow nothing: posture and damping."""
+        """Its goal; None for tasks that follow nothing: posture, damping and zero reaction."""
         goal: Goal | None = self._of("goal")
         return goal
 
@@ -180,6 +192,7 @@ TASKS: dict[str, type[Task]] = {
     "momentum": MomentumTask,
     "posture": PostureTask,
     "damping": DampingTask,
+    "zero_reaction": ZeroReactionTask,
 }
 """By the `type` of a task: a table has the keys that the class has an argument for."""
 _NOT_OF_THE_CLASS = ("type", "goal", "offset")
@@ -202,7 +215,7 @@ _KEYS: dict[str, Any] = {
     ),
     "goal": (MotionGoal, goal_field("hold")),
 }
-_WITHOUT_GOAL = (PostureTask, DampingTask)
+_WITHOUT_GOAL = (PostureTask, DampingTask, ZeroReactionTask)
 
 
 def _table_of(name: str, task: type[Task]) -> type[TaskTable]:
@@ -213,6 +226,8 @@ def _table_of(name: str, task: type[Task]) -> type[TaskTable]:
     if task is MomentumTask:
         keys["goal"] = MomentumGoal, goal_field("zero")
         keys["completion"] = MomentumCompletion | None, Field(None, description="When it counts as done")
+    if task is ZeroReactionTask:
+        keys["completion"] = RateCompletion | None, Field(None, description="When it counts as done")
     keys["weight"] = Weight, Field(task.weight, description="Beside tasks of the same level")
     keys["type"] = Literal[name], Field(description=f"A task of the class {task.__name__}")
     return create_model(

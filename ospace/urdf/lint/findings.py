@@ -33,6 +33,8 @@ class Finding:
         The value at fault, as the file has it.
     file : str or None
         Name of the file that the line is of, where a xacro includes it; None for the file itself.
+    pose : str or None
+        Joint positions of the state that it is about, as ``ospace view --pose`` takes them; rad, m.
     """
 
     code: str
@@ -43,6 +45,7 @@ class Finding:
     line: int | None = None
     value: str | None = None
     file: str | None = None
+    pose: str | None = None
 
     def __str__(self) -> str:
         end = "" if self.message.endswith("?") else "."
@@ -69,6 +72,7 @@ def make_finding(
     severity: Severity | None = None,
     line: int | None = None,
     value: str | None = None,
+    pose: str | None = None,
 ) -> Finding:
     """Make a finding; severity and remedy are those of its rule unless given.
 
@@ -80,7 +84,7 @@ def make_finding(
     known = RULES[code]
     subject, message, remedy = map(printable, (subject, message, remedy or known.remedy))
     at, file = None if line is None else int(line), getattr(line, "file", None)
-    return Finding(code, severity or known.severity, subject, message, remedy, at, value, file)
+    return Finding(code, severity or known.severity, subject, message, remedy, at, value, file, pose)
 
 
 def by_severity(findings: Iterable[Finding]) -> tuple[Finding, ...]:

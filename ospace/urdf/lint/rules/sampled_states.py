@@ -59,8 +59,11 @@ SAMPLED_STATES = (
     Rule(
         name="dynamic-singularity",
         severity="info",
-        summary="How near J* of an operational point comes to a dynamic singularity over the sampled states: its "
-        "smallest singular value over the largest, scaled as in the agreement table. A warning below 1e-6.",
+        summary="How near J* of an operational point comes to a dynamic singularity over the sampled states, and "
+        "where: its smallest singular value over the largest. Metres are divided by a characteristic length L, the "
+        "robot's radius of gyration about its mass centre with joints at zero, to stand beside radians. The positions "
+        "shown are of the joints between base and point; `pose` of --json has all, as `ospace view --pose` takes them. "
+        "A warning below 1e-6.",
         reason="There the joints cannot move the point in some direction, though the arm alone could: where that is "
         "depends on masses, not only on geometry.",
         remedy="Keep away from such states, or take fewer rows.",
