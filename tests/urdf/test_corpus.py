@@ -14,6 +14,12 @@ from ospace.urdf.lint.rules import RULES
 SAMPLED = {"smallest-inertia", "base-condition", "point-rank", "dynamic-singularity"}  # reported of every robot
 
 
+@pytest.fixture(scope="module", autouse=True)
+def compiled():
+    """Kernels are compiled, and said to be, before messages are compared."""
+    main(["check", "target", "--samples", "1"])
+
+
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
