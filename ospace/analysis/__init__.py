@@ -3,7 +3,7 @@
 from ospace.analysis.arm import Arm
 from ospace.analysis.arm_map import ArmMap, map_arm
 from ospace.analysis.base_motion import base_displacement, base_motion, base_turn
-from ospace.analysis.bias_derivative import bias_force_derivative
+from ospace.analysis.bias_derivative import bias_acceleration_derivative, bias_force_derivative
 from ospace.analysis.measures import (
     DisturbanceMap,
     ImpulseMap,
@@ -38,6 +38,7 @@ __all__ = [
     "base_displacement",
     "base_motion",
     "base_turn",
+    "bias_acceleration_derivative",
     "bias_force_derivative",
     "coupling_factor",
     "coupling_null_space",

@@ -1,4 +1,4 @@
-"""Derivative of the bias force μ_e by configuration and velocity: the tangent of the recursions of motion and force.
+"""Derivatives of the biases μ and μ_e by configuration and velocity: the tangent of the recursions of motion and force.
 
 Along a displacement with twists Δ_i of the links, and a change δφ̇, δω_b of the velocity, all seen from the base and
 carried to its origin, with C the link in whose axes a column stands still (`rates`),
@@ -18,7 +18,7 @@ and with x = H⁻¹ c, Φ = H⁻¹ J_eᵀ (9), (10)
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -32,10 +32,10 @@ from ospace.model.points import OperationalPoint, points_of, rows_of
 from ospace.model.state import State
 
 
-def bias_force_derivative(
+def bias_acceleration_derivative(
     state: State, points: OperationalPoint | Sequence[OperationalPoint], direction: npt.ArrayLike | None = None
 ) -> Floats:
-    """Compute ∂μ_e/∂(q, v) along a direction, or along each coordinate.
+    """Compute ∂μ/∂(q, v) along a direction, or along each coordinate.
 
     Parameters
     ----------
@@ -49,6 +49,34 @@ def bias_force_derivative(
     Returns
     -------
     (r,) or (r, 2 nv) array
+        Inertial axes, at the points. m/s² or rad/s² per unit of the coordinate.
+
+    Raises
+    ------
+    OspaceError
+        No point, or another robot's; a direction of another length; or a result that is not finite.
+    """
+    check_kind(state, State, "make it with robot.state(q, v)")
+    taken = points_of(state.robot, points)
+    return _by_coordinates(state, direction, lambda way: _changes(state, taken, way)[0], "the derivative of μ")
+
+
+def bias_force_derivative(
+    state: State, points: OperationalPoint | Sequence[OperationalPoint], direction: npt.ArrayLike | None = None
+) -> Floats:
+    """Compute ∂μ_e/∂(q, v) along a direction, or along each coordinate.
+
+    Parameters
+    ----------
+    state : State
+    points : OperationalPoint or sequence of them
+        r rows in the order given.
+    direction : (2 nv,), optional
+        As of `bias_acceleration_derivative`.
+
+    Returns
+    -------
+    (r,) or (r, 2 nv) array
         Inertial axes, at the points. N or N m per unit of the coordinate.
 
     Raises
@@ -58,7 +86,7 @@ def bias_force_derivative(
         Γ_e is a pseudo-inverse; or a result that is not finite.
     """
     check_kind(state, State, "make it with robot.state(q, v)")
-    taken, nv = points_of(state.robot, points), state.robot.nv
+    taken = points_of(state.robot, points)
     space = operational_space(state, taken)
     if space.rank < len(space.bias_force):
         raise OspaceError(
@@ -67,22 +95,35 @@ def bias_force_derivative(
         )
 
     def along(way: Floats) -> Floats:
-        rates = Rates(State(state.robot, state.q, way[:nv]), taken)
-        c, c_change, drift_change = _velocity_products(rates, state.v, way[nv:])
-        J, _, J_change, _ = rates.jacobians()
-        solved = np.linalg.solve(rates.H, np.column_stack([c, J.T]))
-        x, response = solved[:, 0], solved[:, 1:]
-        mu_change = J_change @ x + response.T @ (c_change - rates.H_dot @ x) - drift_change
-        half = J_change @ response
-        Gamma_inv_change = half + half.T - response.T @ rates.H_dot @ response
+        mu_change, Gamma_inv_change = _changes(state, taken, way)
         return np.asarray(space.inertia @ (mu_change - Gamma_inv_change @ space.bias_force))
 
+    return _by_coordinates(state, direction, along, "the derivative of μ_e")
+
+
+def _by_coordinates(
+    state: State, direction: npt.ArrayLike | None, along: Callable[[Floats], Floats], what: str
+) -> Floats:
+    size = 2 * state.robot.nv
     if direction is not None:
-        derivative = along(checked_vector(direction, 2 * nv, "direction", state.robot.name))
+        derivative = along(checked_vector(direction, size, "direction", state.robot.name))
     else:
-        derivative = np.stack([along(way) for way in np.eye(2 * nv)], axis=-1)
-    all_finite((derivative,), "the derivative of μ_e")
+        derivative = np.stack([along(way) for way in np.eye(size)], axis=-1)
+    all_finite((derivative,), what)
     return derivative
+
+
+def _changes(state: State, points: Sequence[OperationalPoint], way: Floats) -> tuple[Floats, Floats]:
+    """Return the changes of μ and of Γ_e⁻¹ along a direction (2 nv,)."""
+    nv = state.robot.nv
+    rates = Rates(State(state.robot, state.q, way[:nv]), points)
+    c, c_change, drift_change = _velocity_products(rates, state.v, way[nv:])
+    J, _, J_change, _ = rates.jacobians()
+    solved = np.linalg.solve(rates.H, np.column_stack([c, J.T]))
+    x, response = solved[:, 0], solved[:, 1:]
+    mu_change = J_change @ x + response.T @ (c_change - rates.H_dot @ x) - drift_change
+    half = J_change @ response
+    return np.asarray(mu_change), np.asarray(half + half.T - response.T @ rates.H_dot @ response)
 
 
 def _velocity_products(rates: Rates, v: Floats, v_change: Floats) -> tuple[Floats, Floats, Floats]:

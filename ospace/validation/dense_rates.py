@@ -60,17 +60,27 @@ class DenseRates(Dense):
         return np.asarray(self._taken(rates) @ self._G @ self.T.T - self.J_e @ self._turning)
 
     @cached_property
-    def J_m_star_dot(self) -> Floats:
-        """J̇_m + J̇_b J_b* + J_b J̇_b* (r, n), of (5)."""
+    def J_m_star_terms(self) -> tuple[Floats, ...]:
+        """J̇_m, J̇_b J_b* and J_b J̇_b* (r, n), of (5)."""
         J_b_star_dot = -solve(self.H[:6, :6], self.H_dot[:6, 6:] + self.H_dot[:6, :6] @ self.J_b_star)
-        moved = self.J_e_dot[:, 6:] + self.J_e_dot[:, :6] @ self.J_b_star
-        return np.asarray(moved + self.J_e[:, :6] @ J_b_star_dot)
+        J_b_dot, J_m_dot = self.J_e_dot[:, :6], self.J_e_dot[:, 6:]
+        return J_m_dot, J_b_dot @ self.J_b_star, self.J_e[:, :6] @ J_b_star_dot
+
+    @cached_property
+    def J_m_star_dot(self) -> Floats:
+        """Rate of J_m* (r, n)."""
+        return np.asarray(sum(self.J_m_star_terms))
+
+    @cached_property
+    def Gamma_e_inv_terms(self) -> tuple[Floats, ...]:
+        """J̇_e Φ, its transpose and −Φᵀ Ḣ Φ (r, r), of (9) with Φ = H⁻¹ J_eᵀ."""
+        half = self.J_e_dot @ self.response
+        return half, half.T, -self.response.T @ self.H_dot @ self.response
 
     @cached_property
     def Gamma_e_inv_dot(self) -> Floats:
-        """J̇_e Φ + Φᵀ J̇_eᵀ − Φᵀ Ḣ Φ (r, r), of (9) with Φ = H⁻¹ J_eᵀ."""
-        half = self.J_e_dot @ self.response
-        return np.asarray(half + half.T - self.response.T @ self.H_dot @ self.response)
+        """Rate of Γ_e⁻¹ (r, r)."""
+        return np.asarray(sum(self.Gamma_e_inv_terms))
 
     @cached_property
     def c_dot(self) -> Floats:
@@ -98,7 +108,13 @@ class DenseRates(Dense):
         return self._taken(rates)
 
     @cached_property
-    def mu_dot(self) -> Floats:
-        """Rate of μ = J_e H⁻¹ c − J̇_e ẋ (r,), of (10)."""
+    def mu_terms(self) -> tuple[Floats, ...]:
+        """J̇_e x, Φᵀ ċ, −Φᵀ Ḣ x and −(J̇_e ẋ)˙ (r,) with x = H⁻¹ c, of (10)."""
         x = solve(self.H, self.c[:, None])[:, 0]
-        return np.asarray(self.J_e_dot @ x + self.response.T @ (self.c_dot - self.H_dot @ x) - self.drift_dot)
+        of_H = self.response.T @ (self.H_dot @ x)
+        return self.J_e_dot @ x, self.response.T @ self.c_dot, -of_H, -self.drift_dot
+
+    @cached_property
+    def mu_dot(self) -> Floats:
+        """Rate of μ (r,)."""
+        return np.asarray(sum(self.mu_terms))

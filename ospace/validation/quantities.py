@@ -14,7 +14,7 @@ from ospace.dynamics.dense import solve
 from ospace.dynamics.joint_space import inverse_dynamics
 from ospace.kernels.tree import Floats
 from ospace.validation.perturbation import Factor
-from ospace.validation.sample import Sample, condition
+from ospace.validation.sample import Sample
 
 
 class Comparison(NamedTuple):
@@ -467,26 +467,25 @@ def wheel_momentum(s: Sample, by: Any) -> Comparison:
 def generalized_jacobian_rate(s: Sample, by: Any) -> Comparison:
     value = analysis.generalized_jacobian_rate(s.state, s.points)
     condition = s.condition_H_b * (s.reach + s.point_lever**0.5)
-    return Comparison(value, s.rates.J_m_star_dot, s.point_scale, s.force_scale[6:], condition, s.fastest)
+    natural = _largest(s, s.rates.J_m_star_terms, s.force_scale[6:])
+    return Comparison(value, s.rates.J_m_star_dot, s.point_scale, s.force_scale[6:], condition, natural)
 
 
 @quantity("rate of the inverse inertia", "37-41", "tangent sweep, state", PIN_DERIVATIVES)
 def inertia_inverse_rate(s: Sample, by: Any) -> Comparison:
     value = analysis.inertia_inverse_derivative(s.state, s.points, s.state.v)
-    return Comparison(value, s.rates.Gamma_e_inv_dot, s.point_scale, s.point_scale, s.condition_mobility, s.fastest)
+    natural = _largest(s, s.rates.Gamma_e_inv_terms, s.point_scale)
+    return Comparison(value, s.rates.Gamma_e_inv_dot, s.point_scale, s.point_scale, s.condition_mobility, natural)
 
 
-@quantity("rate of the bias force of each point", "45", "tangent sweep, state", PIN_DERIVATIVES)
-def bias_force_rate(s: Sample, by: Any) -> Comparison:
-    """Compare what μ̇_e is solved from: Γ_e⁻¹ μ̇_e = μ̇ − (Γ_e⁻¹)˙ μ_e."""
+@quantity("rate of the bias acceleration", "42-44", "tangent sweep, state", PIN_DERIVATIVES)
+def bias_acceleration_rate(s: Sample, by: Any) -> Comparison:
+    value = analysis.bias_acceleration_derivative(s.state, s.points, np.r_[s.state.v, s.state.v])
+    natural = max(s.speed * s.fastest, _largest(s, s.rates.mu_terms, 1.0))
+    return Comparison(value, s.rates.mu_dot, s.point_scale, 1.0, s.condition_mobility, natural)
 
-    def at(one: Sample) -> Comparison:
-        value = analysis.bias_force_derivative(one.state, one.points, np.r_[one.state.v, one.state.v])
-        dense, bias_force = one.rates, one.dense.Gamma_e @ one.dense.mu
-        changed = dense.Gamma_e_inv_dot @ bias_force
-        natural = one.speed * one.fastest + float(np.abs(one.point_scale * changed).max())
-        total = one.condition_mobility + condition(dense.Gamma_e_inv)
-        reference = dense.mu_dot - changed
-        return Comparison(dense.Gamma_e_inv @ value, reference, one.point_scale, 1.0, total, natural)
 
-    return _worst_point(s, at)
+def _largest(s: Sample, terms: Sequence[Floats], columns: Floats | float) -> float:
+    """Return the scaled size of the largest of the terms that a rate is made of, or the fastest rate."""
+    rows = s.point_scale if terms[0].ndim == 1 else s.point_scale[:, None]
+    return max(s.fastest, *(float(np.abs(rows * term * columns).max(initial=0.0)) for term in terms))
