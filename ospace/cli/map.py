@@ -75,6 +75,10 @@ def add_to(verbs: Any) -> None:
     verb.add_argument("--json", action="store_true", help="print one JSON document instead of tables")
     verb.add_argument("--csv", metavar="FILE", type=output.file, help="write every posture as a row")
     verb.add_argument("--npz", metavar="FILE", type=_npz, help="write every posture, voxels and shells as arrays")
+    verb.add_argument(
+        "--html", metavar="FILE", type=output.file, help="write a page with the map on the robot: one file"
+    )
+    verb.add_argument("--plot", metavar="FILE", type=output.figure, help="write plots: .svg, .png or .pdf")
     takes_robot(verb)
     verb.add_argument("--free-mimic", action="store_true", help="take joints that mimic others as independent ones")
     verb.set_defaults(run=run, refuse_usage=verb.error)
@@ -101,10 +105,15 @@ def _npz(text: str) -> Path:
 def run(given: argparse.Namespace) -> tuple[int, str]:
     """Map; return the exit status and the text to print."""
     from ospace.cli.main import EXIT_INTERRUPTED, EXIT_USAGE, find, package_dirs
+    from ospace.extras import require, require_scene
     from ospace.model.robot import SpaceRobot
 
     what = _what(given.what)
-    file, files = find(given.urdf), [given.csv, given.npz]
+    if given.html:
+        require_scene("a page")
+    if given.html or given.plot:
+        require("matplotlib", "a plot")
+    file, files = find(given.urdf), [given.csv, given.npz, given.plot, given.html]
     output.distinct([file], files)
     output.writable(*files)
     robot = SpaceRobot.from_urdf(
@@ -112,7 +121,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     )
     arm = _arm(given, robot)
     with ExitStack() as stack:
-        rows = stack.enter_context(_rows(arm, what, files)) if any(files) else None
+        rows = stack.enter_context(_rows(arm, what, given.csv or given.npz)) if given.csv or given.npz else None
         result = _mapped(given, arm, what, rows)
         document = json.dumps(_document(result, given), indent=2, allow_nan=False) + "\n" if given.json else ""
         done = [output.printed(document or map_text.text(result)), *_written(given, result, rows)]
@@ -124,23 +133,35 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     return 0, "" if given.json else "".join(f"wrote {path}\n" for path in filter(None, files))
 
 
-def _rows(arm: Arm, what: Sequence[str], files: Sequence[Path | None]) -> Rows:
+def _rows(arm: Arm, what: Sequence[str], beside: Path) -> Rows:
     from ospace.analysis.arm_map import quantities_of
     from ospace.cli.map_files import Rows
 
     joints = [f"{name}_{unit}" for name, unit in zip(arm.joints, arm.units, strict=True)]
-    return Rows([*joints, *(one.name for one in quantities_of(what))], next(filter(None, files)))
+    return Rows([*joints, *(one.name for one in quantities_of(what))], beside)
 
 
 def _written(given: argparse.Namespace, result: MapResult, rows: Rows | None) -> Iterator[bool]:
     """Write what was asked for; yield for each file whether it was written."""
     from ospace.analysis.map_result import arrays_of
-    from ospace.cli import map_files
+    from ospace.cli import map_files, progress
 
     if rows is not None and given.csv:
         yield output.written(given.csv, "table", lambda: map_files.to_csv(rows, given.csv))
     if rows is not None and given.npz:
         yield output.written(given.npz, "arrays", lambda: map_files.to_npz(rows, given.npz, arrays_of(result)))
+    if given.plot or given.html:
+        with progress.bar(given, "drawing", 1):
+            yield from _drawn(given, result)
+
+
+def _drawn(given: argparse.Namespace, result: MapResult) -> Iterator[bool]:
+    from ospace.visual import map_plots, map_report, plots
+
+    if given.plot:
+        yield output.written(given.plot, "plots", lambda: plots.save(map_plots.figure(result), given.plot))
+    if given.html:
+        yield output.written(given.html, "page", lambda: map_report.save(result, given.html, name=given.urdf))
 
 
 def _what(text: str) -> tuple[str, ...]:

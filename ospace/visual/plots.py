@@ -52,7 +52,7 @@ _HANDLE = 3.3
 
 
 @dataclass(frozen=True)
-class _Theme:
+class Theme:
     """Colours: curves by Okabe and Ito, for all kinds of colour vision, but for those too near the background."""
 
     curves: tuple[str, ...]
@@ -63,11 +63,11 @@ class _Theme:
     background: str
 
 
-_LIGHT = _Theme(
+LIGHT = Theme(
     ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"),
     text="#1c2333", grid="#c9ced9", band="#eef1f6", limit="#b3261e", background="#ffffff",
 )  # fmt: skip
-_DARK = _Theme(
+DARK = Theme(
     ("#56B4E9", "#E69F00", "#009E73", "#CC79A7", "#F0E442", "#D55E00", "#ffffff"),
     text="#d7deee", grid="#2b3553", band="#141c36", limit="#ff8a80", background="#0b1020",
 )  # fmt: skip
@@ -130,7 +130,7 @@ def draw(
     columns : int
         As of `thinned`.
     """
-    theme = _DARK if dark else _LIGHT
+    theme = DARK if dark else LIGHT
     runs = {"": series} if isinstance(series, Series) else dict(series)
     first = next(iter(runs.values()))
     labels = list(dict.fromkeys(label for one in runs.values() for label in one.labels))
@@ -169,7 +169,7 @@ def figure(
     from matplotlib.figure import Figure
 
     height = HEIGHT * len(series)
-    made = Figure(figsize=(WIDTH, height), facecolor=(_DARK if dark else _LIGHT).background)
+    made = Figure(figsize=(WIDTH, height), facecolor=(DARK if dark else LIGHT).background)
     for k, one in enumerate(series):
         low, high = height - HEIGHT * (k + 1) + _BOTTOM, height - HEIGHT * k - _TOP
         axes = made.add_axes((_LEFT, low / height, _RIGHT - _LEFT, (high - low) / height))
@@ -185,18 +185,23 @@ def save(made: Figure, path: Path) -> None:
 
 def svg(series: Series, phases: Sequence[PhaseResult] = (), *, dark: bool) -> Panel:
     """Return a series as a panel of a page; `phases` and `dark` as of `draw`."""
-    description, prefix, columns = describe(series), f"{series.name}-{'dark' if dark else 'light'}", _COLUMNS
+    description, columns = describe(series), _COLUMNS
     while True:
         made = figure([series], phases, dark=dark, columns=columns)
-        written = io.BytesIO()
-        with _settings(series.name):
-            made.savefig(written, format="svg", transparent=True, metadata=_UNDATED[".svg"])
-        text = _embedded(written.getvalue(), prefix, series.title, description)
+        text = embedded(made, series.name, series.title, description, dark=dark)
         if len(text) <= _LARGEST or columns == 1:
             break
         columns = max(1, int(0.9 * columns * _LARGEST / len(text)))
     start, end = made.axes[0].get_xlim()
     return Panel(series.name, series.title, text, _LEFT, _RIGHT, float(start), float(end), description)
+
+
+def embedded(made: Figure, name: str, title: str, description: str, *, dark: bool) -> str:
+    """Return a figure as an ``<svg>`` element that stands in a page with others, `name` its own."""
+    written = io.BytesIO()
+    with _settings(name):
+        made.savefig(written, format="svg", transparent=True, metadata=_UNDATED[".svg"])
+    return _embedded(written.getvalue(), f"{name}-{'dark' if dark else 'light'}", title, description)
 
 
 def describe(series: Series) -> str:
@@ -241,7 +246,7 @@ def thinned(time: Floats, values: Floats, columns: int) -> Ints:
     return np.unique(np.concatenate([[0], *kept, [len(time) - 1]])).astype(np.int64)
 
 
-def _style(place: int, number: int, runs: int, theme: _Theme) -> dict[str, Any]:
+def _style(place: int, number: int, runs: int, theme: Theme) -> dict[str, Any]:
     colour, round_ = theme.curves[place % len(theme.curves)], place // len(theme.curves)
     if runs == 1:
         return {"color": colour, "linestyle": _DASHES[round_ % len(_DASHES)], "linewidth": 1.3}
@@ -255,7 +260,7 @@ def _span(series: Any) -> tuple[float, float]:
     return start, end if end > start else start + 1.0
 
 
-def _draw_limits(axes: Axes, series: Series, theme: _Theme) -> Any:
+def _draw_limits(axes: Axes, series: Series, theme: Theme) -> Any:
     """Draw the limits that values come near to; return one of the lines, if any."""
     low, high = axes.get_ylim()
     line = None
@@ -265,7 +270,7 @@ def _draw_limits(axes: Axes, series: Series, theme: _Theme) -> Any:
     return line
 
 
-def _draw_phases(axes: Axes, phases: Sequence[PhaseResult], theme: _Theme) -> None:
+def _draw_phases(axes: Axes, phases: Sequence[PhaseResult], theme: Theme) -> None:
     start, end = axes.get_xlim()
     inches = (_RIGHT - _LEFT) * WIDTH / (end - start)
     for k, phase in enumerate(phases):
@@ -278,15 +283,15 @@ def _draw_phases(axes: Axes, phases: Sequence[PhaseResult], theme: _Theme) -> No
         if len(name) > letters:
             name = f"{name[: letters - 1]}…" if letters > 2 else ""
         axes.text(
-            0.5 * (from_ + to), 1.015, _text(name), transform=axes.get_xaxis_transform(),
+            0.5 * (from_ + to), 1.015, as_text(name), transform=axes.get_xaxis_transform(),
             ha="center", va="bottom", fontsize=_PHASE_FONT, color=theme.text, alpha=0.8,
         )  # fmt: skip
 
 
-def _dress(axes: Axes, series: Series, theme: _Theme) -> None:
+def _dress(axes: Axes, series: Series, theme: Theme) -> None:
     from matplotlib.ticker import MaxNLocator
 
-    axes.set_title(_text(series.title), loc="left", pad=19.0, fontsize=11.0, color=theme.text)
+    axes.set_title(as_text(series.title), loc="left", pad=19.0, fontsize=11.0, color=theme.text)
     axes.set_xlabel("time, s", color=theme.text, labelpad=2.0)
     axes.set_ylabel(series.unit, color=theme.text)
     axes.yaxis.set_label_coords(-0.085, 0.5)
@@ -300,7 +305,7 @@ def _dress(axes: Axes, series: Series, theme: _Theme) -> None:
         spine.set_color(theme.text)
 
 
-def _draw_legend(axes: Axes, handles: Mapping[str, Any], theme: _Theme) -> None:
+def _draw_legend(axes: Axes, handles: Mapping[str, Any], theme: Theme) -> None:
     """Put names at the right of the axes, in two columns where they are many, as large as there is room for."""
     shown = list(handles.items())
     columns = 1 if len(shown) <= _LEGEND_ROWS[0] else 2
@@ -322,11 +327,11 @@ def _label(name: str, letters: int) -> str:
     """Return a name of at most so many letters: joints differ at either end."""
     if len(name) > letters:
         name = f"{name[: (letters - 1) // 2]}…{name[-(letters // 2) :]}"
-    text = _text(name)
+    text = as_text(name)
     return f" {text}" if text.startswith("_") else text  # Matplotlib hides what begins with an underscore
 
 
-def _text(name: str) -> str:
+def as_text(name: str) -> str:
     """Keep a name from being read as mathematics, or from breaking the XML."""
     return printable(name).replace("$", r"\$")
 

@@ -350,6 +350,26 @@ class Scene:
         along = corners[1].mean(axis=0) - corners[0].mean(axis=0) if len(corners) > 1 else None
         environment.surround(self.meshcat_scene, self._background, np.concatenate(corners), along)
 
+    # -- parts for pages of other kinds ----------------------------------------------------------------------
+
+    @property
+    def nodes(self) -> list[str]:
+        """Nodes of the robot's bodies, the base first."""
+        return self._robots[0].geometry.nodes
+
+    def surround(self, q: npt.ArrayLike, points: Floats) -> None:
+        """Place camera and light so that the robot and some points are seen.
+
+        Parameters
+        ----------
+        q : (nq,)
+            Configuration, the base at the origin.
+        points : (N, 3)
+            Base frame, m.
+        """
+        corners = np.vstack([self._robots[0].corners(np.asarray(q, dtype=float)), points])
+        environment.surround(self.meshcat_scene, self._background, corners)
+
     # -- where it is seen ------------------------------------------------------------------------------------
 
     def html(self) -> str:

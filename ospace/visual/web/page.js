@@ -172,5 +172,5 @@
     if (asked.has("t") && duration() > 0) seek(Number(asked.get("t")) || 0);
     requestAnimationFrame(frame);
   });
-  window.ospace = { viewer, node, seek, duration, ready, show, data };
+  window.ospace = { viewer, node, seek, duration, ready, show, data, unpack };
 })();
