@@ -228,12 +228,17 @@ class Trajectory:
         raise OspaceError(printable(f"{os.fspath(path)}: holds no trajectory of this version of ospace{why}"))
 
     def check_arrays(self, name: str = "") -> None:
-        """Raise `OspaceError` where an array does not have a row for each record, or holds what no run leaves.
+        """Check that arrays have a row for each record, and numbers that a run can leave.
 
         Parameters
         ----------
         name : str
             Of the trajectory, before those of its arrays.
+
+        Raises
+        ------
+        OspaceError
+            An array does not.
         """
         records = fit_times(f"{name}time", self.time)
         if records == 0:
