@@ -241,7 +241,7 @@ def test_a_file_that_is_no_scenario_is_refused(tmp_path, content):
 
 @pytest.mark.parametrize("name", ["", "nothing.toml"])
 def test_a_missing_scenario_file_is_refused(tmp_path, name):
-    with pytest.raises(ospace.ScenarioError, match="folder|directory"):
+    with pytest.raises(ospace.ScenarioError, match=r"folder|directory"):
         scenario.load(tmp_path / name)
 
 
