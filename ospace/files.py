@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import secrets
 import shutil
-import zipfile
-import zlib
+import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
-
-import numpy as np
+from typing import BinaryIO
 
 from ospace.exceptions import OspaceError
 
@@ -88,19 +86,12 @@ def _is_named(error: OSError) -> bool:
     return error.filename is not None and not Path(os.fsdecode(error.filename)).name.startswith(_PART)
 
 
-def arrays(path: str | os.PathLike[str], what: str) -> dict[str, Any]:
-    """Return the arrays of an ``.npz`` file by their names.
-
-    Raises
-    ------
-    OspaceError
-        The file, which should hold `what`, cannot be read, is cut off, or is another.
-    """
-    try:
-        with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
-            return {name: file[name] for name in file.files}
-    except OSError as error:
-        reason = error.strerror or str(error)
-    except (ValueError, TypeError, AttributeError, EOFError, zipfile.BadZipFile, zlib.error):
-        reason = "it is no whole .npz file of numbers"
-    raise OspaceError(f"{path}: no {what} can be read from it ({reason})")
+def open_regular(path: str | os.PathLike[str]) -> BinaryIO:
+    """Open a file to be read; a pipe or device, which might never end or never begin, is refused by an `OSError`."""
+    descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0))
+    mode = os.fstat(descriptor).st_mode
+    if stat.S_ISREG(mode):
+        return os.fdopen(descriptor, "rb")
+    os.close(descriptor)
+    number, what = (errno.EISDIR, "is a folder") if stat.S_ISDIR(mode) else (errno.EINVAL, "is not a regular file")
+    raise OSError(number, what, os.fspath(path))

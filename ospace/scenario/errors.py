@@ -7,6 +7,8 @@ from pathlib import Path
 
 from ospace.exceptions import OspaceError, printable, printable_lines
 
+_SHOWN = 50
+
 
 class ScenarioError(OspaceError):
     """A scenario could not be read, or holds mistakes.
@@ -26,6 +28,8 @@ class ScenarioError(OspaceError):
         self.key = self.problems[0][0] if self.problems else ""
         texts = [
             f"{printable(key)}: {printable_lines(what)}" if key else printable_lines(what)
-            for key, what in self.problems
+            for key, what in self.problems[:_SHOWN]
         ]
+        if len(self.problems) > _SHOWN:
+            texts.append(f"… and {len(self.problems) - _SHOWN} more")
         super().__init__(f"{path}:" + (f" {texts[0]}" if len(texts) == 1 else "".join(f"\n  {text}" for text in texts)))

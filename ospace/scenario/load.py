@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -12,6 +13,7 @@ import numpy as np
 
 from ospace import models
 from ospace.exceptions import OspaceError
+from ospace.files import open_regular
 from ospace.model.joint_positions import Position
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
@@ -23,6 +25,12 @@ from ospace.scenario.table import Problem
 from ospace.simulation import rigid_body, tumbling
 
 _LARGEST_FILE = 1_000_000
+_PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
+_ENDLESS = {
+    re.compile(rf"(?<![\w-]){_PART}(?:\s*+\.\s*+{_PART}){{32}}"): "a key of more than 32 parts",
+    re.compile(r"(?<![\w-])[+-]?[\d_]{1000}"): "a number of 1000 digits or more",
+}
+"""What a reader of TOML takes minutes and gigabytes for, or gives up."""
 _RobotAtStart = tuple[SpaceRobot, State] | tuple[None, None]
 
 
@@ -50,9 +58,13 @@ def load(path: str | os.PathLike[str], plugins: Iterable[str] = ()) -> Scenario:
     """
     file = Path(path)
     source = _text(file)
+    for pattern, what in _ENDLESS.items():
+        if found := pattern.search(source):
+            line = source.count("\n", 0, found.start()) + 1
+            raise ScenarioError(file, [("", f"is no scenario: {what} (at line {line})")])
     try:
         data = tomllib.loads(source)
-    except ValueError as error:  # also a whole number of more digits than Python reads
+    except tomllib.TOMLDecodeError as error:
         raise ScenarioError(file, [("", f"is not TOML: {error}")]) from None
     except RecursionError:
         raise ScenarioError(file, [("", "is not a scenario: values are nested too deep")]) from None
@@ -89,10 +101,10 @@ def load(path: str | os.PathLike[str], plugins: Iterable[str] = ()) -> Scenario:
 
 def _text(file: Path) -> str:
     try:
-        with file.open("rb") as opened:
+        with open_regular(file) as opened:
             content = opened.read(_LARGEST_FILE + 1)
-    except OSError as error:
-        raise ScenarioError(file, [("", error.strerror or str(error))]) from None
+    except (OSError, ValueError) as error:  # ValueError: a name that no file can have
+        raise ScenarioError(file, [("", getattr(error, "strerror", None) or str(error))]) from None
     if len(content) > _LARGEST_FILE:
         raise ScenarioError(file, [("", f"is larger than {_LARGEST_FILE // 1_000_000} MB: no scenario is")])
     try:

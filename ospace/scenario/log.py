@@ -20,11 +20,12 @@ import pinocchio as pin
 
 import ospace
 from ospace.exceptions import OspaceError, printable
-from ospace.files import arrays, replacing
+from ospace.files import replacing
 from ospace.kernels.tree import Floats
-from ospace.scenario.result import BASE, Contact, PhaseResult, Run, Segment, TaskErrors, Verdict
-from ospace.simulation import Certificate, Conserved, Excess, Trajectory
+from ospace.scenario.result import BASE, PhaseResult, Run, Segment, Verdict
+from ospace.simulation import Certificate, Excess, Trajectory
 from ospace.simulation.certificate import LIMITS
+from ospace.stored import WRONG_KIND, arrays, fit, fit_times, made
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,11 +213,11 @@ def load(path: str | os.PathLike[str]) -> Log:
         return _log(_unpacked(about, stored))
     except OspaceError as error:
         why = f": {error}"
-    except (KeyError, TypeError, ValueError, AttributeError):
+    except (*WRONG_KIND, RecursionError):
         why = ""
     raise OspaceError(
-        f"{path}{why}: holds no run of a scenario as ospace {ospace.__version__} writes it: run the scenario again, "
-        f"with --log"
+        f"{printable(os.fspath(path))}{why}: holds no run of a scenario as ospace {ospace.__version__} writes it: "
+        f"run the scenario again, with --log"
     )
 
 
@@ -259,117 +260,53 @@ def _unpacked(value: Any, arrays: Mapping[str, Any]) -> Any:
 
 def _log(known: dict[str, Any]) -> Log:
     """Make a log of what was read; raises where something is missing, unknown, or of a shape that fits nothing."""
-    segments, phases = [], []
-    for k, one in enumerate(known["segments"]):
-        target = TargetMotion(**one["target"]) if one["target"] is not None else None
-        trajectory = one["trajectory"]
-        trajectory = Trajectory(**trajectory | {"outside_limits": _excesses(trajectory["outside_limits"])})
-        segment = LoggedSegment(**one | {"trajectory": trajectory, "target": target})
+    log: Log = made(Log, known)
+    for k, segment in enumerate(log.segments):
         _fit_segment(f"segments/{k}", segment)
-        segments.append(segment)
-    for k, one in enumerate(known["phases"]):
-        errors = {task: TaskErrors(**each) for task, each in one["errors"].items()}
-        grasp = Contact(**one["grasp"]) if one["grasp"] is not None else None
-        phase = PhaseResult(**one | {"errors": errors, "grasp": grasp})
+    for k, phase in enumerate(log.phases):
         _fit_phase(f"phases/{k}", phase)
         known_points = {BASE, *phase.poses}
-        if not 0 <= phase.segment < len(segments) or not all(
-            known_points >= {*each.points} for each in errors.values()
+        if not 0 <= phase.segment < len(log.segments) or not all(
+            known_points >= {*errors.points} for errors in phase.errors.values()
         ):
             raise ValueError
-        phases.append(phase)
-    certificate = Certificate(tuple(Conserved(**one) for one in known["certificate"]["quantities"]))
-    _are(str, *(one.name for one in certificate.quantities))
-    _are(float, *(certificate[name].limit for name in LIMITS if segments))
-    kept = {"segments": tuple(segments), "phases": tuple(phases), "certificate": certificate}
-    return Log(**known | kept | {"exceeded": _excesses(known["exceeded"])})
-
-
-def _excesses(known: Any) -> dict[str, Excess]:
-    found = {name: Excess(**one) for name, one in known.items()}
-    for one in found.values():
-        _are(float, one.amount, one.time)
-        _are(str, one.unit)
-    return found
+    _sizes(*(log.certificate[name].limit for name in LIMITS if log.segments))
+    _sizes(*(number for one in log.exceeded.values() for number in (one.amount, one.time)))
+    return log
 
 
 def _fit_segment(name: str, segment: LoggedSegment) -> None:
     run, joints = segment.trajectory, len(segment.joints)
-    _are(str, *segment.joints)
-    _are(float, run.total_mass, run.largest_inertia)
-    records = _fit_times(f"{name}/trajectory/time", run.time)
-    if records == 0:
-        raise OspaceError(f"array '{name}/trajectory/time' is empty")
-    _fit(f"{name}/torque_limits", segment.torque_limits, joints)
-    _fit(f"{name}/trajectory/frame_velocity", run.frame_velocity, 3)
-    for array, columns in _COLUMNS.items():
-        _fit(f"{name}/trajectory/{array}", getattr(run, array), records, *columns)
-    _fit(f"{name}/trajectory/torque", run.torque, records, joints)
-    motions: list[tuple[str, Trajectory | TargetMotion]] = [(f"{name}/trajectory", run)]
+    run.check_arrays(f"{name}/trajectory/")
+    fit(f"{name}/trajectory/torque", run.torque, len(run), joints)
+    fit(f"{name}/torque_limits", segment.torque_limits, joints)
+    _sizes(*(number for one in run.outside_limits.values() for number in (one.amount, one.time)))
     if segment.target is not None:
-        motions.append((f"{name}/target", segment.target))
-    for where, motion in motions:
-        length = _fit_times(f"{where}/time", motion.time)
-        _fit(f"{where}/q", motion.q, length, None, least=7)
-        _fit(f"{where}/v", motion.v, length, None, least=6)
+        length = fit_times(f"{name}/target/time", segment.target.time)
+        fit(f"{name}/target/q", segment.target.q, length, None, least=7)
+        fit(f"{name}/target/v", segment.target.v, length, None, least=6)
 
 
 def _fit_phase(name: str, phase: PhaseResult) -> None:
-    _are(str, phase.name)
-    _are(float, phase.start, phase.end)
-    cycles = _fit_times(f"{name}/time", phase.time)
-    _fit(f"{name}/cycle_time", phase.cycle_time, cycles)
-    _fit(f"{name}/base_motion", phase.base_motion, cycles, 2)
+    _sizes(phase.start, phase.end)
+    cycles = fit_times(f"{name}/time", phase.time)
+    fit(f"{name}/cycle_time", phase.cycle_time, cycles)
+    fit(f"{name}/base_motion", phase.base_motion, cycles, 2)
     for task, errors in phase.errors.items():
-        _fit(f"{name}/errors/{task}/norms", errors.norms, cycles, 2)
-        linear, angular = errors.units
-        _are(str, linear, angular)
+        fit(f"{name}/errors/{task}/norms", errors.norms, cycles, 2)
     for task, values in phase.sigma_min.items():
-        _fit(f"{name}/sigma_min/{task}", values, cycles)
+        fit(f"{name}/sigma_min/{task}", values, cycles)
     for point, poses in phase.poses.items():
-        _fit(f"{name}/poses/{point}", poses, cycles, 7)
+        fit(f"{name}/poses/{point}", poses, cycles, 7)
     if phase.grasp is not None:
-        _fit(f"{name}/grasp/impulse", phase.grasp.impulse, 6)
-        _fit(f"{name}/grasp/velocity_error", phase.grasp.velocity_error, 6)
+        fit(f"{name}/grasp/impulse", phase.grasp.impulse, 6)
+        fit(f"{name}/grasp/velocity_error", phase.grasp.velocity_error, 6)
 
 
-_COLUMNS: dict[str, tuple[int, ...]] = {
-    "base_wrench": (6,),
-    "wheel_torque": (3,),
-    "wheel_momentum": (3,),
-    "momentum": (6,),
-    "mass_centre": (3,),
-    "kinetic_energy": (),
-    "work": (),
-    "dissipated": (),
-    "impulse": (6,),
-    "rotation_drift": (),
-}
-"""Of arrays of a trajectory with a row for each record."""
-
-
-def _are(kind: type, *values: Any) -> None:
-    """Raise where one is of another kind, or no finite number that is not negative."""
-    for value in values:
-        if not isinstance(value, kind) or (isinstance(value, float) and not 0.0 <= value < math.inf):
-            raise TypeError
-
-
-def _fit(name: str, array: Floats, *shape: int | None, least: int = 0) -> None:
-    """Raise where an array has another shape; None is any number from `least` on."""
-    found = array.shape
-    fits = (size >= least if wanted is None else size == wanted for size, wanted in zip(found, shape, strict=False))
-    if len(found) != len(shape) or not all(fits):
-        wanted = " × ".join(f"{least} or more" if size is None else str(size) for size in shape)
-        raise OspaceError(printable(f"array '{name}' is {' × '.join(map(str, found))}, not {wanted}"))
-
-
-def _fit_times(name: str, time: Floats) -> int:
-    """Return the number of times; raise where they are no list, not finite, or decrease."""
-    _fit(name, time, None)
-    if not np.isfinite(time).all() or (np.diff(time) < 0.0).any():
-        raise OspaceError(f"array '{name}' holds times that are not finite, or decrease")
-    return len(time)
+def _sizes(*values: float) -> None:
+    """Raise where one is not finite, or negative."""
+    if not all(0.0 <= value < math.inf for value in values):
+        raise ValueError
 
 
 # -- a folder ----------------------------------------------------------------------------------------------------

@@ -52,7 +52,8 @@ def of(log: Log) -> dict[str, Series]:
     """Return the series that a log has, by name, in the order of `TITLES`."""
     found = {}
     for name, one in _SERIES.items():
-        time, values = _joined(list(one.parts(log)))
+        with np.errstate(invalid="ignore", over="ignore"):  # what cannot be computed of a wild run is left out
+            time, values = _joined(list(one.parts(log)))
         if values and len(time):
             columns = np.column_stack(list(values.values()))
             labels = tuple(values)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import unicodedata
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Self, get_origin
@@ -30,6 +31,10 @@ from ospace.scenario.units import shown
 Problem = tuple[str, str]
 """A key, as ``phase[1].task[0].stiffness``, and what is wrong with it."""
 _MISSING = object()
+_NAMED = 20
+"""Unknown keys of one table; to look for what was meant takes time."""
+_MOST_TABLES, _LONGEST = 1000, 1000
+"""Tables of an array; letters of a text."""
 _TAG = "\0"
 """Begins what pydantic puts into a key to say which of several types it took."""
 
@@ -81,7 +86,9 @@ class Table(BaseModel):
                 setattr(table, name, _stand_in(field))
                 near = closest(name, unknown)
                 table._noted.append((name, "missing" + (near if "did you mean" in near else "")))
-        table._noted += [(_joined((name,)), f"unknown key{closest(name, fields)}") for name in unknown]
+        table._noted += [(_joined((name,)), f"unknown key{closest(name, fields)}") for name in unknown[:_NAMED]]
+        if len(unknown) > _NAMED:
+            table._noted.append(("", f"{len(unknown) - _NAMED} more unknown keys"))
         return table
 
     @field_validator("*", mode="wrap")
@@ -209,6 +216,10 @@ class OneOf:
 def _text(value: object) -> object:
     if not isinstance(value, str) or not value.strip():
         raise ValueError(f"{shown(value)} is not a text: put it in quotes")
+    if len(value) > _LONGEST:
+        raise ValueError(f"{shown(value)} has {len(value)} letters: give at most {_LONGEST}")
+    if control := next((letter for letter in value if unicodedata.category(letter) == "Cc"), ""):
+        raise ValueError(f"{shown(value)} has the control character U+{ord(control):04X}: leave it out")
     return value
 
 
@@ -239,6 +250,8 @@ class WholeNumber:
 def _array(value: object) -> object:
     if not isinstance(value, list) or not all(isinstance(one, dict) for one in value):
         raise ValueError("give an array of tables, with a head in double brackets for each")
+    if len(value) > _MOST_TABLES:
+        raise ValueError(f"{len(value)} tables: give at most {_MOST_TABLES}")
     return value
 
 

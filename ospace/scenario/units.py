@@ -104,7 +104,10 @@ def shown(value: object) -> str:
     """Return the value as it is written, shortened."""
     if isinstance(value, int) and abs(value) >= 10**20:
         return f"a number of {value.bit_length()} bits"
-    text = repr(value[:_SHOWN] if isinstance(value, str | list) else value)
+    try:
+        text = repr(value[:_SHOWN] if isinstance(value, str | list) else value)
+    except ValueError:  # of whole numbers that are longer than Python writes
+        text = f"{'a list' if isinstance(value, list) else 'a table'} with a number of thousands of digits"
     return text if len(text) <= _SHOWN else text[: _SHOWN - 3] + "..."
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
@@ -12,12 +13,13 @@ from typing import Self
 import numpy as np
 import pinocchio as pin
 
-from ospace.exceptions import OspaceError
-from ospace.files import arrays, replacing
+from ospace.exceptions import OspaceError, printable
+from ospace.files import replacing
 from ospace.kernels.tree import Floats
 from ospace.model.joint_positions import in_unit
 from ospace.model.robot import SpaceRobot
 from ospace.simulation.certificate import Certificate, certify
+from ospace.stored import WRONG_KIND, arrays, fit, fit_times, made
 
 
 @dataclass(frozen=True)
@@ -212,15 +214,42 @@ class Trajectory:
             The file cannot be read, or holds something else.
         """
         stored = arrays(path, "trajectory")
-        missing = [one.name for one in fields(cls) if one.name not in stored]
-        if missing or len(stored) != len(fields(cls)):
-            raise OspaceError(f"{path}: holds no trajectory of this version of ospace; missing: {', '.join(missing)}")
         content = {name: value.item() if value.ndim == 0 else value for name, value in stored.items()}
+        missing = [one.name for one in fields(cls) if one.name not in stored]
+        why = f"; missing: {', '.join(missing)}" if missing else ""
         try:
-            beyond = {joint: Excess(**one) for joint, one in json.loads(content["outside_limits"]).items()}
-        except (TypeError, ValueError, AttributeError):
-            raise OspaceError(f"{path}: holds no trajectory: outside_limits cannot be read") from None
-        return cls(**content | {"outside_limits": beyond})
+            read: Self = made(cls, content | {"outside_limits": json.loads(content["outside_limits"])})
+            read.check_arrays()
+            return read
+        except OspaceError as error:
+            why = f": {error}"
+        except (*WRONG_KIND, RecursionError):
+            pass
+        raise OspaceError(printable(f"{os.fspath(path)}: holds no trajectory of this version of ospace{why}"))
+
+    def check_arrays(self, name: str = "") -> None:
+        """Check that arrays have a row for each record, and numbers that a run can leave.
+
+        Parameters
+        ----------
+        name : str
+            Of the trajectory, before those of its arrays.
+
+        Raises
+        ------
+        OspaceError
+            An array does not.
+        """
+        records = fit_times(f"{name}time", self.time)
+        if records == 0:
+            raise OspaceError(printable(f"array '{name}time' is empty"))
+        fit(f"{name}frame_velocity", self.frame_velocity, 3)
+        for array, columns in _SHAPES.items():
+            fit(f"{name}{array}", getattr(self, array), records, *columns)
+        fit(f"{name}q", self.q, records, None, least=7)
+        fit(f"{name}v", self.v, records, None, least=6)
+        if not (0.0 <= self.total_mass < math.inf and 0.0 <= self.largest_inertia < math.inf):
+            raise OspaceError(printable(f"{name}: its mass or inertia is none"))
 
     def to_csv(self, folder: str | os.PathLike[str]) -> list[Path]:
         """Write each quantity to a file ``<quantity>.csv``: a line of names, then time and numbers.
@@ -248,6 +277,20 @@ class Trajectory:
         return written
 
 
+_SHAPES: dict[str, tuple[int | None, ...]] = {
+    "torque": (None,),
+    "base_wrench": (6,),
+    "wheel_torque": (3,),
+    "wheel_momentum": (3,),
+    "momentum": (6,),
+    "mass_centre": (3,),
+    "kinetic_energy": (),
+    "work": (),
+    "dissipated": (),
+    "impulse": (6,),
+    "rotation_drift": (),
+}
+"""Of arrays with a row for each record."""
 _COLUMNS = {
     "q": "",
     "v": "",

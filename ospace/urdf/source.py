@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import stat
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +12,7 @@ from xml.parsers import expat
 
 from lxml import etree
 
+from ospace.files import open_regular
 from ospace.urdf.errors import UrdfError
 from ospace.urdf.lint.findings import Finding, make_finding
 
@@ -87,21 +87,17 @@ def read_file(path: Path, limits: Limits) -> bytes:
         The file is missing, not a regular file, larger than `limits.bytes`, or cannot be read.
     """
     try:
-        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # a FIFO would wait for its writer
-        with open(descriptor, "rb") as file:
-            status = os.fstat(descriptor)
-            if not stat.S_ISREG(status.st_mode):
-                raise UrdfError(path, "is not a regular file: give a URDF file", "no-regular-file")
-            if status.st_size > limits.bytes:
-                reason = f"has {status.st_size} bytes; at most {limits.bytes} are read (--max-bytes)"
-                raise UrdfError(path, reason, "too-large")
-            return file.read(status.st_size)
+        with open_regular(path) as file:
+            size = os.fstat(file.fileno()).st_size
+            if size > limits.bytes:
+                raise UrdfError(path, f"has {size} bytes; at most {limits.bytes} are read (--max-bytes)", "too-large")
+            return file.read(size)
     except FileNotFoundError:
         raise UrdfError(path, "no such file", "no-file") from None
     except IsADirectoryError:
         raise UrdfError(path, "is not a regular file but a folder: give a URDF file", "no-regular-file") from None
     except (OSError, ValueError) as error:
-        if os.path.exists(path) and not os.path.isfile(path):  # a socket or a device, which cannot even be opened
+        if os.path.exists(path) and not os.path.isfile(path):
             raise UrdfError(path, "is not a regular file: give a URDF file", "no-regular-file") from None
         raise UrdfError(path, f"cannot be read: {error}", "unreadable-file") from None
 

@@ -241,7 +241,7 @@ def test_a_file_that_is_no_scenario_is_refused(tmp_path, content):
 
 @pytest.mark.parametrize("name", ["", "nothing.toml"])
 def test_a_missing_scenario_file_is_refused(tmp_path, name):
-    with pytest.raises(ospace.ScenarioError, match="directory"):
+    with pytest.raises(ospace.ScenarioError, match=r"folder|directory"):
         scenario.load(tmp_path / name)
 
 
@@ -359,7 +359,7 @@ def test_numbers_beyond_all_measure_are_refused(load, was, now, key):
 
 
 def test_a_whole_number_of_thousands_of_digits_is_refused(load):
-    with pytest.raises(scenario.ScenarioError, match="is not TOML"):
+    with pytest.raises(scenario.ScenarioError, match="a number of 1000 digits or more"):
         load(REACHING.replace("mass = 50", "mass = " + "9" * 5000))
 
 

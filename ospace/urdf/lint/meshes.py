@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import os
 import re
-import stat
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from ospace.exceptions import OspaceError
+from ospace.files import open_regular
 from ospace.urdf.description import Description, Link, Shape
 from ospace.urdf.lint.findings import Finding, make_finding
 from ospace.urdf.lint.rules import Severity
@@ -153,11 +153,8 @@ def _check_scale(link: Link, shape: Shape) -> Iterator[Finding]:
 
 def _check_whole(path: Path, filename: str) -> None:
     try:
-        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # a FIFO would wait for its writer
-        with open(descriptor, "rb") as file:
-            status = os.fstat(descriptor)
-            if not stat.S_ISREG(status.st_mode):
-                raise MeshError("mesh-unreadable", f"'{filename}' is not a regular file")
+        with open_regular(path) as file:
+            status = os.fstat(file.fileno())
             start = file.read(_STL_HEADER)
     except OSError as error:
         raise MeshError("mesh-unreadable", f"'{filename}' cannot be read: {error.strerror}") from None
