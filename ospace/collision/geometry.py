@@ -39,7 +39,7 @@ class Solid(NamedTuple):
 class CollisionGeometry:
     """Solids of the links of a robot.
 
-    Make one with `of`; that of a robot combined of two with `joined`.
+    Make one with `of`.
 
     Attributes
     ----------
@@ -95,60 +95,41 @@ class CollisionGeometry:
         """Pinocchio's number of the joint that carries each of these links."""
         return {solid.link: solid.joint for solid in self.solids}
 
+    def on(self, robot: SpaceRobot) -> CollisionGeometry:
+        """Return the same solids on another robot that has these joints, as one with other masses or with a load has.
+
+        Parameters
+        ----------
+        robot : SpaceRobot
+
+        Returns
+        -------
+        CollisionGeometry
+            What the other robot has beside these joints, such as a target that it holds, has no solids.
+        """
+        if robot is self.robot:
+            return self
+        names, known = self.robot.model.names, robot.model
+        solids = tuple(one._replace(joint=int(known.getJointId(names[one.joint]))) for one in self.solids)
+        made = _Elsewhere(robot, solids, self.visual, self.unread)
+        made.first = self
+        return made
+
     def __reduce__(self) -> tuple[Any, ...]:
         """Copy by reading it again: solids of Coal are not pickled."""
         return CollisionGeometry.of, (self.robot,)
 
 
-class _Joined(CollisionGeometry):
-    """Geometry of a robot that was combined of two."""
+class _Elsewhere(CollisionGeometry):
+    """Geometry of another robot."""
 
-    made_of: tuple[Any, ...]
+    first: CollisionGeometry
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return joined, (self.robot, *self.made_of)
+        return CollisionGeometry.on, (self.first, self.robot)
 
 
 _KNOWN: WeakKeyDictionary[SpaceRobot, CollisionGeometry] = WeakKeyDictionary()
-
-
-def joined(
-    robot: SpaceRobot,
-    first: CollisionGeometry,
-    second: CollisionGeometry,
-    joints: Mapping[int, int],
-    carriers: Mapping[int, tuple[int, pin.SE3]],
-    prefix: str,
-) -> CollisionGeometry:
-    """Return the geometry of a robot that was combined of two.
-
-    Parameters
-    ----------
-    robot : SpaceRobot
-        The combined one.
-    first, second : CollisionGeometry
-        Of the two.
-    joints : mapping of int to int
-        Number in `robot` of each joint of the first.
-    carriers : mapping of int to (int, pin.SE3)
-        For each joint of the second, the joint of `robot` that carries its body, and the frame of the former in that of
-        the latter, m.
-    prefix : str
-        Before names of links of the second that the first has as well.
-
-    Returns
-    -------
-    CollisionGeometry
-    """
-    taken = set(first.robot.frame_names)
-    solids = [solid._replace(joint=joints[solid.joint]) for solid in first.solids]
-    for solid in second.solids:
-        joint, T = carriers[solid.joint]
-        name = prefix + solid.link if solid.link in taken else solid.link
-        solids.append(Solid(name, joint, T * solid.placement, solid.geometry))
-    made = _Joined(robot, tuple(solids), (*first.visual, *second.visual), first.unread | second.unread)
-    made.made_of = first, second, dict(joints), dict(carriers), prefix
-    return _KNOWN.setdefault(robot, made)
 
 
 def _read(robot: SpaceRobot) -> CollisionGeometry:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Container, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from numbers import Real
@@ -47,7 +47,7 @@ class Clearance:
     Attributes
     ----------
     robot : SpaceRobot
-        Read from a file, whose shapes count, or combined by a grasp.
+        Read from a file, whose shapes count.
     distance : float
         m.
     deceleration : float
@@ -57,6 +57,9 @@ class Clearance:
         That are not kept apart; a link alone stands for all pairs with it.
     pairs : sequence of pairs of links, optional
         The only ones that are; else those that the table of allowed collisions leaves, and all with obstacles.
+    geometry : CollisionGeometry, optional
+        Of the robot, where it is not read from its file: `CollisionGeometry.of(chaser).on(robot)` of a robot that holds
+        a target, whose links then do not count.
     most : int
         Pairs of solids that bound the motion at a time: the nearest ones.
     name : str
@@ -75,6 +78,7 @@ class Clearance:
     obstacles: Sequence[Obstacle] = ()
     ignore: Sequence[Named] = ()
     pairs: Sequence[Named] | None = None
+    geometry: CollisionGeometry = None  # type: ignore[assignment]
     most: int = 20
     name: str = "clearance"
 
@@ -90,6 +94,13 @@ class Clearance:
             object.__setattr__(self, "obstacles", (self.obstacles,))
         for one in self.obstacles:
             check_kind(one, Obstacle, "make it of a robot and its motion: Obstacle(robot, motion)")
+        if self.geometry is None:
+            object.__setattr__(self, "geometry", CollisionGeometry.of(self.robot))
+        check_kind(self.geometry, CollisionGeometry, "make it with CollisionGeometry.of(robot)")
+        if self.geometry.robot is not self.robot:
+            raise OspaceError(
+                f"clearance: geometry is of another robot than '{self.robot.name}': make it with .on(robot)"
+            )
         if not self.watched:
             raise OspaceError(
                 f"clearance: no pair of links of robot '{self.robot.name}' is left to be kept apart: "
@@ -106,19 +117,13 @@ class Clearance:
         return ROWS * self.most
 
     @cached_property
-    def geometry(self) -> CollisionGeometry:
-        """Solids of the robot."""
-        return CollisionGeometry.of(self.robot)
-
-    @cached_property
     def bodies(self) -> list[tuple[str, int, int, Solid]]:
         """Name of the link, number of the obstacle, or −1, joint and solid of all solids."""
         own = [(solid.link, -1, solid.joint, solid) for solid in self.geometry.solids]
         taken = set(self.robot.frame_names)
         for k, one in enumerate(self.obstacles):
             for solid in CollisionGeometry.of(one.robot).solids:
-                name = f"{one.robot.name}/{solid.link}" if solid.link in taken else solid.link
-                own.append((name, k, solid.joint, solid))
+                own.append((link_name(one, solid.link, taken), k, solid.joint, solid))
         return own
 
     @cached_property
@@ -175,6 +180,11 @@ class Clearance:
                     f"clearance: a shape of link '{link}' cannot be read, {reason}: give the folder of its package, or "
                     f"ignore the link"
                 )
+
+
+def link_name(obstacle: Obstacle, link: str, taken: Container[str]) -> str:
+    """Return what a link of an obstacle is called beside a robot that has frames of the names `taken`."""
+    return f"{obstacle.robot.name}/{link}" if link in taken else link
 
 
 class Nearest(NamedTuple):

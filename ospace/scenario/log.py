@@ -22,7 +22,7 @@ import ospace
 from ospace.exceptions import OspaceError, printable
 from ospace.files import arrays, replacing
 from ospace.kernels.tree import Floats
-from ospace.scenario.result import BASE, Contact, PhaseResult, Run, Segment, TaskErrors, Verdict
+from ospace.scenario.result import BASE, Contact, PhaseResult, Run, Segment, Separation, TaskErrors, Verdict
 from ospace.simulation import Certificate, Conserved, Excess, Trajectory
 from ospace.simulation.certificate import LIMITS
 
@@ -270,7 +270,8 @@ def _log(known: dict[str, Any]) -> Log:
     for k, one in enumerate(known["phases"]):
         errors = {task: TaskErrors(**each) for task, each in one["errors"].items()}
         grasp = Contact(**one["grasp"]) if one["grasp"] is not None else None
-        phase = PhaseResult(**one | {"errors": errors, "grasp": grasp})
+        separation = Separation(**one["separation"]) if one.get("separation") is not None else None
+        phase = PhaseResult(**one | {"errors": errors, "grasp": grasp, "separation": separation})
         _fit_phase(f"phases/{k}", phase)
         known_points = {BASE, *phase.poses}
         if not 0 <= phase.segment < len(segments) or not all(
@@ -328,6 +329,12 @@ def _fit_phase(name: str, phase: PhaseResult) -> None:
         _fit(f"{name}/sigma_min/{task}", values, cycles)
     for point, poses in phase.poses.items():
         _fit(f"{name}/poses/{point}", poses, cycles, 7)
+    if phase.separation is not None:
+        _fit(f"{name}/separation/distance", phase.separation.distance, cycles)
+        _are(float, phase.separation.clearance)
+        for pair, distance in phase.separation.closest.items():
+            _are(str, pair)
+            _are(float, abs(distance))
     if phase.grasp is not None:
         _fit(f"{name}/grasp/impulse", phase.grasp.impulse, 6)
         _fit(f"{name}/grasp/velocity_error", phase.grasp.velocity_error, 6)
