@@ -1,6 +1,7 @@
 """Operational-space control: tasks and limits to joint torques, by one quadratic program a cycle."""
 
 from ospace.control.base import Base
+from ospace.control.clearance import Clearance, Nearest, Obstacle
 from ospace.control.command import Command
 from ospace.control.controller import Controller
 from ospace.control.inequalities import Inequality, RowsInequality
@@ -30,6 +31,7 @@ __all__ = [
     "Base",
     "BaseAttitudeTask",
     "CentreOfMassTask",
+    "Clearance",
     "Command",
     "Completion",
     "Constant",
@@ -43,6 +45,8 @@ __all__ = [
     "LookAtTask",
     "MinimumJerk",
     "MomentumTask",
+    "Nearest",
+    "Obstacle",
     "OrientationTask",
     "PoseTask",
     "PositionTask",

@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from ospace.control.clearance import Nearest
 from ospace.control.shortfall import Shortfall, TaskResidual, shortfall, shown
 from ospace.kernels.tree import Floats, Ints
 from ospace.model.joint_positions import with_units
@@ -90,6 +91,8 @@ class Command:
     outside : dict of name to float
         By how much a joint is outside its position limits, rad or m; or the value of an inequality below 0.
     timing : Timing
+    nearest : Nearest, optional
+        The smallest distance of links that a `Clearance` keeps apart, and which they are.
     """
 
     time: float
@@ -110,6 +113,7 @@ class Command:
     """A, errors, residuals, independence."""
     _short: tuple[Floats, Floats] | None = field(repr=False, default=None)
     """By how much tasks are short (T, 2), and C, where one is by more than it may."""
+    nearest: Nearest | None = None
 
     @cached_property
     def active_limits(self) -> tuple[str, ...]:
@@ -117,7 +121,7 @@ class Command:
 
         Wheels that hold all they can are ``'base torque z: wheel momentum, upper'``.
         """
-        return tuple(name for _, name in self._binding)
+        return tuple(dict.fromkeys(name for _, name in self._binding))
 
     @cached_property
     def _binding(self) -> list[tuple[int, str]]:

@@ -7,6 +7,7 @@ import math
 import time as clock
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from numbers import Real
 from typing import Any, NamedTuple
 
@@ -16,6 +17,8 @@ import pinocchio as pin
 
 from ospace.checks import check_kind, checked_number, checked_vector
 from ospace.control.base import Base, parse_base
+from ospace.control.clearance import Clearance
+from ospace.control.clearance_rows import ClearanceRows
 from ospace.control.command import Command, CommandLayout, Status, Timing
 from ospace.control.completion import CompletionWatch
 from ospace.control.custom_rows import CustomRows, Written
@@ -54,7 +57,11 @@ DEFAULT_HORIZON = 0.04
 """How far ahead motion limits are seen, s."""
 _BRAKING_TIME = 0.1
 """Within which joints are braked where nothing can be solved, s."""
-_LOOKED_UP = ("_solve", "_custom", "_R", "_place", "_q", "_v")
+_LOOKED_UP = ("_solve", "_custom", "_clearance", "_R", "_place", "_q", "_v")
+
+
+Limiting = Inequality | RowsInequality | Clearance
+"""What bounds z beside the limits of joints."""
 
 
 class _Outcome(NamedTuple):
@@ -79,8 +86,8 @@ class Controller:
         What acts upon the base. Nothing does on a floating one: it moves as the joints make it (7), (12).
     limits : JointLimits, optional
         Those of the robot's model without it.
-    inequalities : sequence of Inequality or RowsInequality
-        Of different names, which no task has.
+    inequalities : sequence of Inequality, RowsInequality or Clearance
+        Of different names, which no task has; one clearance at most.
     period : float
         Of the control cycle, s.
     solver : str or function
@@ -125,7 +132,7 @@ class Controller:
         *,
         base: Base | str = "floating",
         limits: JointLimits | None = None,
-        inequalities: Inequality | RowsInequality | Sequence[Inequality | RowsInequality] = (),
+        inequalities: Limiting | Sequence[Limiting] = (),
         period: float = 1e-3,
         solver: str | Solver = "daqp",
         braking: float = 0.5,
@@ -141,7 +148,7 @@ class Controller:
         self.robot, self.period = robot, _above_zero("period", period)
         self.base, self.limits = parse_base(base), JointLimits.of(robot) if limits is None else limits
         check_kind(self.limits, JointLimits, "make it of the robot's model, JointLimits.of(robot), or by its arrays")
-        if isinstance(inequalities, Inequality | RowsInequality):
+        if isinstance(inequalities, Limiting):
             inequalities = (inequalities,)
         self.inequalities = tuple(inequalities)
         self._solver = solver
@@ -223,6 +230,7 @@ class Controller:
                 (recover_solution, self._recovery(self._program.f, self._program)),
                 (compose, (self._run.memory, self._run.memory, self._run.memory)),
                 *self._custom.calls(),
+                *(() if self._clearance is None else self._clearance.calls()),
                 *kernel_calls(self._program),
             ]
         )
@@ -271,11 +279,15 @@ class Controller:
             self._wheels.limit(self._rotation().T @ self.wheel_momentum, self.period, self._limits.wrench)
         if self._custom.any:
             self._custom.write(time, self._q, self._v)
+        if self._clearance is not None and self._clearance.write(time, self._q, self._v):
+            self._name_rows(self._clearance)
         farthest = assemble(*self._assembly(time))
         assembled = clock.perf_counter()
         outcome = self._solution()
         solved = clock.perf_counter()
         self._completion.observe(time, self._rows.error, self._references)
+        if self._clearance is not None:
+            farthest = max(farthest, self._clearance.below)
         outside = self._outside() if max(farthest, -self._custom.smallest) > _OUTSIDE else {}
         return self._command(outcome, outside, (start, evaluated, assembled, solved))
 
@@ -429,7 +441,11 @@ class Controller:
         found = {
             self._layout.joints[j]: float(self._beyond[j]) for j in np.flatnonzero(self._beyond > _OUTSIDE).tolist()
         }
-        return found | self._custom.below(-_OUTSIDE) if self._custom.any else found
+        if self._custom.any:
+            found |= self._custom.below(-_OUTSIDE)
+        if self._clearance is not None:
+            found |= self._clearance.outside(_OUTSIDE)
+        return found
 
     def _braking(self) -> Floats:
         """Return accelerations by torques that take energy from every joint, within their limits."""
@@ -482,6 +498,7 @@ class Controller:
             (lower, upper, value, program.cause.copy()),
             rows,
             (answer.short.copy(), program.C.copy()) if self._falls_short else None,
+            None if self._clearance is None else self._clearance.nearest,
         )
 
     # -- the state of the last cycle -------------------------------------------------------------------------
@@ -504,11 +521,18 @@ class Controller:
         written: list[tuple[Written, int]] = [
             (task, int(first[t])) for t, task in enumerate(self.tasks) if isinstance(task, CustomTask | RowsTask)
         ]
+        times = self.period, self._limits.horizon
+        self._clearance: ClearanceRows | None = None
         for one in self.inequalities:
-            written.append((one, at))
+            if isinstance(one, Clearance):
+                self._clearance = ClearanceRows(one, at, self._base, self._program, self._run.memory, *times)
+            else:
+                written.append((one, at))
             at += one.size
-        own = self._base, self._rows, self._program, self._run.memory, self.period, self._limits.horizon
-        self._custom = CustomRows(self.robot, written, *own)
+        self._custom = CustomRows(self.robot, written, self._base, self._rows, self._program, self._run.memory, *times)
+        if self._clearance is not None:
+            self._layout = replace(self._layout, units={**self._layout.units, **self._clearance.units})
+            self._name_rows(self._clearance)
         self._R, self._place = self._run.table("R"), self._run.table("place")
         self._q, self._v = self._run.table("q")[: self.robot.nq, 0], self._run.table("velocity")[:, 0]
 
@@ -524,8 +548,19 @@ class Controller:
         for task in self.tasks:
             check_kind(task, Task, "tasks are those of ospace.control, and subclasses of CustomTask and RowsTask")
         for one in self.inequalities:
-            if not isinstance(one, Inequality | RowsInequality):
-                raise OspaceError(f"{one!r:.60} is no inequality: write a subclass of Inequality or RowsInequality")
+            if not isinstance(one, Limiting):
+                raise OspaceError(
+                    f"{one!r:.60} is no inequality: write a subclass of Inequality or RowsInequality, "
+                    f"or give a Clearance"
+                )
+        clearances = [one for one in self.inequalities if isinstance(one, Clearance)]
+        if len(clearances) > 1:
+            raise OspaceError("two clearances are given: give one, with all of its pairs and obstacles")
+        if clearances and clearances[0].robot is not self.robot:
+            raise OspaceError(
+                f"the clearance is of robot '{clearances[0].robot.name}', another one than the controller's: "
+                f"make it of that robot"
+            )
 
     def _refuse_repeated_names(self) -> None:
         names = [one.name for one in (*self.tasks, *self.inequalities)]
@@ -535,6 +570,13 @@ class Controller:
                 raise OspaceError(f"two {what} are called '{name}': give each a name of its own")
         if not self.tasks:
             raise OspaceError("no task given: a controller needs at least one")
+
+    def _name_rows(self, clearance: ClearanceRows) -> None:
+        """Call the rows of the clearance by the pairs that they are of."""
+        names: list[str] = []
+        for one in self.inequalities:
+            names += clearance.names if isinstance(one, Clearance) else [one.name] * one.size
+        self._layout = replace(self._layout, inequalities=names)
 
     def _level(self, number: int) -> tuple[list[int], Floats, Ints, Floats]:
         """Tasks of a strict level and their weights, and their rows and the roots of these rows' weights."""

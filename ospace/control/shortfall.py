@@ -154,7 +154,8 @@ def shortfall(
         if np.linalg.norm(pull - force.sum(axis=0)) < _HELD * np.linalg.norm(pull):
             strength = np.linalg.norm(force, axis=1)
             order = [k for k in np.argsort(-strength) if strength[k] > _BLAMED * strength.max() + _CLEAR]
-            return Shortfall(task, "held back by limits", *own, tuple(names[k] for k in order), turning, unit or "m")
+            held = tuple(dict.fromkeys(names[k] for k in order))
+            return Shortfall(task, "held back by limits", *own, held, turning, unit or "m")
     damped = float(np.linalg.norm(error)) > _DAMPED * trust_radius * mean
     return Shortfall(
         task, "on its way" if damped else "held back by other tasks", *own, turning=turning, unit=unit or "m"

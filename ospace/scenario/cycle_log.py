@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ from ospace.kernels.tasks import tables as kernel
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint
 from ospace.model.robot import SpaceRobot
-from ospace.scenario.result import BASE, TaskErrors
+from ospace.scenario.result import BASE, Separation, TaskErrors
 
 COASTING = "coasting"
 """Status of cycles in which nothing acts."""
@@ -46,6 +47,8 @@ class CycleLog:
         self.active_limits: Counter[str] = Counter()
         self.near_singularity: Counter[str] = Counter()
         self.shortfalls: Counter[str] = Counter()
+        self._nearest: list[float] = []
+        self._closest: dict[str, float] = {}
         self._worst: dict[str, Shortfall] = {}
         self._rows = {task.name: task.rows(robot) for task in tasks}
         self._about_points = [task for task in tasks if task.geometric]
@@ -77,6 +80,10 @@ class CycleLog:
             known = self._worst.get(one.cause)
             if known is None or (one.distance, one.angle) > (known.distance, known.angle):
                 self._worst[one.cause] = one
+        if command.nearest is not None:
+            self._nearest.append(command.nearest.distance)
+            pair = " / ".join(command.nearest.links)
+            self._closest[pair] = min(command.nearest.distance, self._closest.get(pair, math.inf))
         # one call that Ctrl-C cannot divide: a cycle counts when it is whole
         self._cycles.append(_Cycle(time, np.concatenate(tuple(truth.errors.values())), command.timing.total))
 
@@ -84,6 +91,13 @@ class CycleLog:
         """Record a cycle in which nothing acts, at `time` (s)."""
         self.statuses[COASTING] += 1
         self._cycles.append(_Cycle(time, np.zeros(0), 0.0))
+
+    def separation(self, clearance: float | None) -> Separation | None:
+        """Return how near links came to each other; None where no clearance was kept."""
+        if clearance is None or not self._nearest:
+            return None
+        closest = dict(sorted(self._closest.items(), key=lambda item: item[1]))
+        return Separation(clearance, np.array(self._nearest[: len(self)]), closest)
 
     @property
     def most_short(self) -> dict[str, str]:

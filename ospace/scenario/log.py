@@ -298,6 +298,9 @@ def _fit_phase(name: str, phase: PhaseResult) -> None:
         fit(f"{name}/sigma_min/{task}", values, cycles)
     for point, poses in phase.poses.items():
         fit(f"{name}/poses/{point}", poses, cycles, 7)
+    if phase.separation is not None:
+        fit(f"{name}/separation/distance", phase.separation.distance, cycles)
+        _sizes(phase.separation.clearance, *map(abs, phase.separation.closest.values()))
     if phase.grasp is not None:
         fit(f"{name}/grasp/impulse", phase.grasp.impulse, 6)
         fit(f"{name}/grasp/velocity_error", phase.grasp.velocity_error, 6)

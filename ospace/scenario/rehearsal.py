@@ -19,6 +19,7 @@ from ospace.exceptions import OspaceError, closest
 from ospace.model.points import OperationalPoint
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
+from ospace.scenario import clearance
 from ospace.scenario.mass_errors import believed
 from ospace.scenario.reach import Region, apart, mass_centre, of_target, reached
 from ospace.scenario.schema import (
@@ -60,6 +61,7 @@ def rehearse(scenario: Scenario, problems: list[Problem], *, target_known: bool)
     """
     problems += scenario.limits.accelerations(scenario.robot)[1]
     problems += scenario.noise.unknown_joints(scenario.robot)
+    problems += clearance.problems(scenario)
     problems += _misplaced(scenario, target_known)
     problems += _unbelievable(scenario, target_known)
     robots = list(_Names(scenario, problems, target_known).robots())

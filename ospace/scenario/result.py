@@ -91,6 +91,26 @@ class Contact:
 
 
 @dataclass(frozen=True, eq=False)
+class Separation:
+    """Smallest distance of links that keep a clearance from each other and from the target.
+
+    Attributes
+    ----------
+    clearance : float
+        That was to be kept, m.
+    distance : (N,)
+        The smallest of all at each cycle, m; negative where links overlap.
+    closest : mapping of str to float
+        The smallest of each pair of links that was the nearest one at a time, by ``'left_hand / head'``; the smallest
+        first, m.
+    """
+
+    clearance: float
+    distance: Floats
+    closest: Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False)
 class PhaseResult:
     """Outcome of a phase.
 
@@ -128,6 +148,8 @@ class PhaseResult:
         Cycles in which a task fell short of its reference, by why, as ``'out of reach: hand'``.
     most_short : mapping of str to str
         By how much at most, by why, as ``'0.56 m short along (0.93, 0, 0.37)'``.
+    separation : Separation, optional
+        How near links came to each other, where a clearance was kept.
     """
 
     name: str
@@ -148,6 +170,7 @@ class PhaseResult:
     grasp: Contact | None = None
     shortfalls: Mapping[str, int] = field(default_factory=dict)
     most_short: Mapping[str, str] = field(default_factory=dict)
+    separation: Separation | None = None
 
 
 @dataclass(frozen=True, eq=False)

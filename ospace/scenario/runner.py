@@ -6,18 +6,20 @@ import math
 import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from ospace.analysis import base_displacement
-from ospace.control import Controller, Function, Inequality, RowsInequality, Task
+from ospace.control import Controller, Function, Task
+from ospace.control.controller import Limiting
 from ospace.control.references import Reference
 from ospace.kernels.tree import Floats
 from ospace.model.layout import Layout
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
+from ospace.scenario.clearance import clearances, motion_of
 from ospace.scenario.cycle_log import CycleLog
 from ospace.scenario.disturbances import Disturbances, frame_when_held
 from ospace.scenario.goals import Start
@@ -103,7 +105,7 @@ class _Phase:
             if not own and reference is not None:
                 shared[one.name] = reference
             references.append(reference)
-        self._ways = [one.motion for one in references if isinstance(one, Function)]
+        self._ways: list[Callable[[float], Any]] = [one.motion for one in references if isinstance(one, Function)]
 
         def tasks_of(robot: SpaceRobot) -> list[Task]:
             return [one.task(robot, reference) for one, reference in zip(plan.tasks, references, strict=True)]
@@ -112,12 +114,15 @@ class _Phase:
         self.controller: Controller | None = None
         self._truth: Controller | None = None
         if tasks:
-            inequalities = [one.make(start.robot) for one in plan.inequalities]
+            kept = clearances(scenario, plan, start.robot, motion_of(start.target, start.period))
+            self._ways += [obstacle.motion for one in kept for obstacle in one.obstacles]
+            inequalities = [*(one.make(start.robot) for one in plan.inequalities), *kept]
             self.controller = _controller(start.robot, tasks, scenario, inequalities)
             self.controller.warm_up()
             if scenario.noise.any or start.robot is not robot:
                 tasks = tasks_of(robot)
                 self._truth = _controller(robot, tasks, scenario)
+        self._clearance = scenario.limits.clearance
         self._awaited = [task.name for task in tasks if task.completion is not None]
         self._earliest = plan.earliest
         self._nothing = Actuation(np.zeros(robot.n_joints))
@@ -175,11 +180,12 @@ class _Phase:
             poses=cycles.poses,
             shortfalls=dict(cycles.shortfalls),
             most_short=cycles.most_short,
+            separation=cycles.separation(self._clearance),
         )
 
 
 def _controller(
-    robot: SpaceRobot, tasks: list[Task], scenario: Scenario, inequalities: Sequence[Inequality | RowsInequality] = ()
+    robot: SpaceRobot, tasks: list[Task], scenario: Scenario, inequalities: Sequence[Limiting] = ()
 ) -> Controller:
     limits = scenario.limits.of(robot, scenario.robot)
     return Controller(

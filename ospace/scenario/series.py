@@ -155,6 +155,17 @@ def _cycle_time(log: Log) -> Iterator[_Part]:
     return ((phase.time, {"cycle": phase.cycle_time * _MICRO}) for phase in log.phases)
 
 
+def _clearance(log: Log) -> Iterator[_Part]:
+    """Tell the smallest distance of links that keep a clearance."""
+    for phase in log.phases:
+        kept = phase.separation
+        yield phase.time, {} if kept is None else {"nearest links": kept.distance * _MM}
+
+
+def _kept(log: Log) -> tuple[float, ...]:
+    return tuple({one.separation.clearance * _MM for one in log.phases if one.separation is not None})
+
+
 # -- by records of the simulation --------------------------------------------------------------------------------
 
 
@@ -223,6 +234,7 @@ _SERIES = {
     ),
     "energy": _Kind("Energy not accounted for by work, over its scale", "", _balances(_ENERGY), _limits(_ENERGY), True),
     "sigma-min": _Kind("σ_min of each task's generalized Jacobian", "", _sigma_min),
+    "clearance": _Kind("Smallest distance of links that keep a clearance", "mm", _clearance, _kept),
     "cycle-time": _Kind("Time that each control cycle took", "µs", _cycle_time, logarithmic=True),
 }
 TITLES = {name: one.title for name, one in _SERIES.items()}

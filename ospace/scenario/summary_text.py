@@ -82,6 +82,12 @@ def remarks(phase: PhaseResult) -> Iterator[str]:
     if phase.near_singularity:
         near = ", ".join(f"{task} ({count} cycles)" for task, count in phase.near_singularity.items())
         yield f"{phase.name}: near a dynamic singularity: {near}"
+    if phase.separation is not None:
+        kept = phase.separation
+        pair, distance = next(iter(kept.closest.items()))
+        time = phase.time[int(kept.distance.argmin())]
+        shown = f"{distance * 1e3:.4g} mm at {time:.3f} s, {kept.clearance * 1e3:g} mm to be kept"
+        yield f"{phase.name}: smallest distance: {pair}, {shown}"
     if phase.grasp is not None:
         held = phase.grasp
         yield (

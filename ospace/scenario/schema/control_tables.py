@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema, model_validator
 
 from ospace.control import JointLimits
 from ospace.control.controller import DEFAULT_HORIZON
@@ -40,6 +40,20 @@ def _installed(solver: str) -> str:
     return solver
 
 
+def _pairs_of_links(value: object) -> list[tuple[str, ...]]:
+    found: list[tuple[str, ...]] = []
+    for one in value if isinstance(value, list) else [None]:
+        names = [one] if isinstance(one, str) else one
+        if not (isinstance(names, list) and len(names) in (1, 2) and all(isinstance(x, str) and x for x in names)):
+            raise ValueError('give a list of pairs of links, as [["hand", "panel"], "mast"]')
+        found.append(tuple(names))
+    return found
+
+
+_NAMES: dict[str, Any] = {"type": "array", "items": {"type": "string"}, "minItems": 1, "maxItems": 2}
+_PAIRS: dict[str, Any] = {"type": "array", "items": {"anyOf": [{"type": "string"}, _NAMES]}}
+
+
 class LimitsTable(Table):
     """Limits of the joints, taken from the model."""
 
@@ -57,10 +71,19 @@ class LimitsTable(Table):
         ),
     ] = Field(None, description="Of all joints, or by joint name; sliding joints take the same number in m/s^2")
 
+    clearance: Annotated[float, Quantity("length", above=0.0)] | None = Field(
+        None, description="Distance that links keep from each other and from the target; none is kept if left out"
+    )
+    may_touch: Annotated[list[tuple[str, ...]], BeforeValidator(_pairs_of_links), WithJsonSchema(_PAIRS)] = Field(
+        [], description="Pairs of links that may come nearer, or one link for all of its pairs"
+    )
+
     def mistakes(self) -> Iterable[Problem]:
         """Return whether the share of both has nothing left to be of."""
         if {"share", "torque_share", "velocity_share"} <= self.model_fields_set:
             yield self.path("share"), "torque_share and velocity_share leave it nothing: leave one of the three out"
+        if self.may_touch and self.clearance is None and "clearance" not in dict(self._noted):
+            yield self.path("may_touch"), "says nothing without limits.clearance: give that as well"
 
     def accelerations(self, robot: SpaceRobot) -> tuple[dict[str, float], list[Problem]]:
         """Return the limits of acceleration by joint, SI units, and what is wrong with others."""
