@@ -275,6 +275,26 @@ def test_shift_and_turn_of_the_base_are_those_of_the_trajectory(run):
             assert turn == pytest.approx(np.linalg.norm(pin.log3(first.rotation.T @ now.rotation)), abs=1e-7)
 
 
+def test_zero_reaction_leaves_the_base_in_peace(load):
+    """The arm of two joints moves its tip by 10 cm along x, and has one joint left for the base."""
+    tip = missions.TIP | {"axes": [True, False, False, False, False, False], "level": 1}
+    tip |= {"goal": {"shift": ["-0.1 m", 0, 0], "duration": "2 s"}, "completion": {"position": "5 mm"}}
+    peace = {"name": "peace", "type": "zero_reaction", "level": 0, "completion": {"angle": "1 mrad/s"}}
+    turns = {}
+    for tasks in ([tip], [tip, peace]):
+        text = missions.toml(
+            missions.phase("move", *tasks, timeout="4 s"),
+            robot=missions.PLANAR,
+            control={"step": "5 ms", "period": "10 ms"},
+            tasks=[missions.REST],
+        )
+        run = scenario.run(load(text))
+        assert run.passed, [phase.reason for phase in run.phases]
+        turns[len(tasks)] = math.degrees(run.phases[0].base_motion[:, 1].max())
+    assert turns[1] > 1.0
+    assert turns[2] < 1e-4
+
+
 @pytest.mark.parametrize("turn", [-200.0, 180.0, 500.0])
 def test_a_turn_of_any_angle_is_made(load, turn):
     """By the base, on wheels; 500 deg is one whole turn and 140 deg."""
