@@ -71,3 +71,65 @@ def test_the_shells_of_the_workspace_are_the_published_ones(run):
     assert said["PDW"] == pytest.approx([0.351064, 0.553677, 1.436170, 2.287234], abs=1e-4)
     assert said["reach"][0] == pytest.approx(said["PDW"][-1], abs=1e-4)
     assert_labelled()
+
+
+def test_a_bus_turns_the_less_the_heavier_it_is(run):
+    said = run("bus_mass")
+    buses = [float(name.split()[2]) for name in said]
+    together, turns = zip(*said.values(), strict=True)
+    assert [whole - bus for whole, bus in zip(together, buses, strict=True)] == [35.0] * len(
+        buses
+    )  # seven links of 5 kg
+    assert list(turns) == sorted(turns, reverse=True)
+    assert turns[0] > 3.0 * turns[-1]
+    assert_labelled()
+
+
+def test_a_floating_base_turns_while_the_hand_reaches_its_goal(run):
+    said = run("free_floating_reach")
+    assert said["hand moved by"][0] == pytest.approx((0.3**2 + 0.3**2 + 0.2**2) ** 0.5, abs=1e-4)
+    assert said["hand off its goal by"][0] < 1e-3  # mm
+    assert said["base turned by"][0] > 1.0  # deg
+    assert_labelled()
+
+
+def test_singular_values_over_the_workspace(run):
+    said = run("singular_values")
+    least, most = said["sigma_min"]
+    assert (
+        0.0 < least < 0.1 < most < said["farthest"][0]
+    )  # m per rad: no longer than the way from the joint to the hand
+    assert 0.0 < said["below 0.1 m per rad"][-1] < 5.0
+    assert_labelled()
+
+
+def test_wheels_store_half_and_give_a_quarter_within_twice_the_time(run):
+    said = run("reaction_wheels")
+    assert said["momentum within 20 s"][0] == pytest.approx(2.0 * said["momentum within 40 s"][0], rel=1e-3)
+    assert said["torque within 20 s"][0] == pytest.approx(4.0 * said["torque within 40 s"][0], rel=1e-3)
+    assert_labelled()
+
+
+def test_an_impulse_has_a_direction_that_leaves_the_base_at_rest(run):
+    said = run("impulse_map")
+    for stand in ("stretched", "bent"):
+        least, most = said[f"{stand}, base turns by"][:2]
+        assert said[f"{stand}, of all directions at least"][0] < 1e-12 < least < 0.1 * most
+    assert said["bent, base turns by"][1] > 2.0 * said["stretched, base turns by"][1]
+    assert_labelled()
+
+
+def test_a_target_tumbles_by_elliptic_functions(run):
+    said = run("tumbling")
+    assert said["period"][0] == 155.45425
+    assert said["simulation off by"][0] < 1e-11
+    assert said["after a period off by"][0] < 1e-11
+    assert_labelled()
+
+
+def test_the_loop_in_mujoco_moves_as_in_ospace(run):
+    said = run("mujoco_loop")
+    assert said["joints move by"][0] > 10.0  # deg
+    assert said["joints apart by"][0] < 1e-9
+    assert said["base apart by"][0] < 1e-10
+    assert_labelled()

@@ -2,8 +2,10 @@
 
 Each mutation multiplies one term of one file by 1.000001, in a copy of the package; all proofs then run on the copy.
 
-    python tests/proofs/mutations.py              every mutation, a minute or so each
-    python tests/proofs/mutations.py pv_osimr     those of files so called
+    python tests/proofs/mutations.py                          every mutation, a minute or so each
+    python tests/proofs/mutations.py pv_osimr -- -k mujoco    those of files so called, on the proofs that pytest takes
+
+A mutated kernel is compiled anew; with NUMBA_DISABLE_JIT=1 kernels run interpreted, which is quicker for few proofs.
 """
 
 from __future__ import annotations
@@ -65,8 +67,8 @@ MUTATIONS = (
 )
 
 
-def red(mutation: Mutation | None) -> list[str]:
-    """Return the proofs that fail on a copy of the package with the mutation."""
+def proofs(mutation: Mutation | None, cache: str, options: list[str]) -> tuple[set[str], set[str]]:
+    """Return the proofs that hold, and those that are red, on a copy of the package with the mutation."""
     with tempfile.TemporaryDirectory() as folder:
         package = Path(folder) / "ospace"
         shutil.copytree(ROOT / "ospace", package, ignore=shutil.ignore_patterns("__pycache__"))
@@ -76,27 +78,35 @@ def red(mutation: Mutation | None) -> list[str]:
             if text.count(mutation.term) != 1:
                 sys.exit(f"{mutation.file} has {mutation.term!r} {text.count(mutation.term)} times, not once")
             (package / mutation.file).write_text(text.replace(mutation.term, mutation.mutant))
-        environment = {**os.environ, "PYTHONPATH": folder, "OSPACE_CACHE_DIR": str(Path(folder) / "cache")}
-        command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", f"--rootdir={ROOT}"]
-        command += [f"--config-file={ROOT / 'pyproject.toml'}", "--tb=no", str(ROOT / "tests/proofs")]
+        environment = {**os.environ, "PYTHONPATH": folder, "OSPACE_CACHE_DIR": cache}
+        command = [sys.executable, "-m", "pytest", "-q", "-rA", "-p", "no:cacheprovider", f"--rootdir={ROOT}"]
+        command += [f"--config-file={ROOT / 'pyproject.toml'}", "--tb=no", str(ROOT / "tests/proofs"), *options]
         done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
         if " passed" not in done.stdout and " failed" not in done.stdout:
             sys.exit(done.stdout + done.stderr)
-        return re.findall(r"^(?:FAILED|ERROR) \S+?::(\S+)", done.stdout, re.MULTILINE)
+        outcomes = re.findall(r"^(PASSED|FAILED|ERROR) \S+?::(.+?)(?: - .*)?$", done.stdout, re.MULTILINE)
+        sets: dict[bool, set[str]] = {True: set(), False: set()}
+        for outcome, name in outcomes:
+            sets[outcome == "PASSED"].add(name)
+        return sets[True], sets[False]
 
 
 def main() -> None:
     """Run the mutations that are asked for, and list the proofs that none of them turns red."""
-    chosen = [one for one in MUTATIONS if all(name in one.file for name in sys.argv[1:])]
-    if red(None):
-        sys.exit("proofs fail on the package as it is")
-    found: set[str] = set()
-    for mutation in chosen:
-        failing = red(mutation)
-        found.update(failing)
-        term = " ".join(mutation.mutant.split())
-        say(f"{len(failing):3} red  {mutation.file}: {term}\n         {' '.join(failing)}")
-    say(f"{len(chosen)} mutations, {len(found)} proofs turned red by one of them:\n" + "\n".join(sorted(found)))
+    names, options = sys.argv[1:], []
+    if "--" in names:
+        names, options = names[: names.index("--")], names[names.index("--") + 1 :]
+    chosen = [one for one in MUTATIONS if not names or any(name in one.file for name in names)]
+    with tempfile.TemporaryDirectory() as cache:
+        unmoved, broken = proofs(None, cache, options)
+        if broken:
+            sys.exit(f"red on the package as it is: {', '.join(sorted(broken))}")
+        for mutation in chosen:
+            _, red = proofs(mutation, cache, options)
+            unmoved -= red
+            say(f"{len(red):3} red  {mutation.file}: {' '.join(mutation.mutant.split())}")
+            say(f"         {', '.join(sorted(red))}")
+    say(f"red with none of these {len(chosen)}: {', '.join(sorted(unmoved)) or 'no proof'}")
 
 
 def say(text: str) -> None:

@@ -87,7 +87,7 @@ def test_mujoco_gives_the_same_floating_dynamics(name):
     robot = ospace.SpaceRobot.from_urdf(ospace.models.path(name))
     engine = MujocoRobot(ospace.models.path(name))
     points = [robot.point(HANDS[name][0])]
-    errors, responses, inertias, momenta = [], [], [], []
+    errors, responses, inertias, momenta, jacobians, drifts = [], [], [], [], [], []
     for state in states_of(robot):
         engine.take(state)
         H, J = engine.inertia(), engine.jacobian(points)
@@ -99,13 +99,18 @@ def test_mujoco_gives_the_same_floating_dynamics(name):
         locked = np.linalg.solve(H[:6, :6], H[:6, 6:])
         reduced, moved = H[6:, 6:] - H[6:, :6] @ locked, J[:, 6:] - J[:, :6] @ locked
         exact = moved @ np.linalg.solve(reduced, moved.T)
-        floating = ospace.free_floating(state, points)
+        floating, generalized = ospace.free_floating(state, points), ospace.generalized_jacobian(state, points)
+        jacobians.append(np.abs(generalized.generalized_jacobian - moved).max() / np.abs(moved).max())
+        drift = J[:, :6] @ np.linalg.solve(H[:6, :6], momentum)
+        drifts.append(np.abs(generalized.momentum_velocity - drift).max() / np.abs(drift).max())
         scale = np.sqrt(np.diag(J @ np.linalg.solve(H, J.T)))
         errors.append(np.abs((floating.floating_inertia_inverse - exact) / np.outer(scale, scale)).max())
         response = np.linalg.solve(H, J.T)
         unit = np.outer(1.0 / np.sqrt(np.diag(H)), scale)
         responses.append(np.abs((ospace.operational_space(state, points).response - response) / unit).max())
     row("M_0 by MuJoCo, of its largest element").within(max(momenta))
+    row("J_m\\* by MuJoCo, of its largest element").within(max(jacobians))
+    row("J_b H_b⁻¹ M_0 by MuJoCo, of its largest element").within(max(drifts))
     row("Γ_e of the hand by MuJoCo").within(max(inertias))
     row("Λ⁻¹ by MuJoCo").within(max(errors))
     row("H⁻¹ J_eᵀ by MuJoCo").within(max(responses))
