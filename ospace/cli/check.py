@@ -204,6 +204,7 @@ def _frames(given: argparse.Namespace) -> tuple[int, str]:
 
 def _fix(given: argparse.Namespace) -> tuple[int, str]:
     from ospace.cli.main import EXIT_FINDINGS, find, package_dirs
+    from ospace.exceptions import printable
     from ospace.urdf import reader, repair
     from ospace.validation.report_text import number
 
@@ -213,12 +214,12 @@ def _fix(given: argparse.Namespace) -> tuple[int, str]:
         find(given.urdf), out, limits, package_dirs=folders, xacro_args=given.xacro_args, root=given.root
     )
     if not out.exists():
-        return 0, f"nothing to repair: {out} was not written\n"
+        return 0, printable(f"nothing to repair: {out} was not written") + "\n"
     left = reader.read(out, limits=limits, free_mimic=given.free_mimic, root=given.root).findings
     errors = sum(finding.severity == "error" for finding in left)
     lines = [str(change) for change in changes] or ["nothing to repair"]
     lines.append(f"wrote {out}: {number(len(changes), 'change')}, {number(errors, 'error')} left")
-    return EXIT_FINDINGS if errors else 0, "\n".join(lines) + "\n"
+    return EXIT_FINDINGS if errors else 0, "".join(f"{printable(line)}\n" for line in lines)
 
 
 def _limits(given: argparse.Namespace) -> Limits:

@@ -48,6 +48,7 @@ class _Help(argparse.HelpFormatter):
 
 def run(given: argparse.Namespace) -> tuple[int, str]:
     """Draw; return the exit status and the text to print."""
+    from ospace.exceptions import printable
     from ospace.scenario import log
     from ospace.visual import plots
 
@@ -60,7 +61,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     logs = [log.load(file) for file in files]
     drawn = _drawn(dict(zip(_names(files), logs, strict=True)), given.quantity)
     plots.save(plots.figure(list(drawn.values()), logs[0].phases), out)
-    return 0, f"{out}: {', '.join(drawn)}\n"
+    return 0, f"{printable(str(out))}: {', '.join(drawn)}\n"
 
 
 def _known(names: Sequence[str]) -> None:

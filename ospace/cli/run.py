@@ -187,6 +187,7 @@ def _throttled(advance: Any) -> Any:
 
 
 def _valid(scenario: Scenario, name: str, not_rehearsed: str) -> str:
+    from ospace.exceptions import printable_lines
     from ospace.model.joint_positions import excess_text
 
     phases = ", ".join(phase.name for phase in scenario.phases)
@@ -201,7 +202,8 @@ def _valid(scenario: Scenario, name: str, not_rehearsed: str) -> str:
     ]
     if not_rehearsed:
         remarks.append(f"not rehearsed: {not_rehearsed}\n")
-    return f"{scenario.name}\nphases: {phases}; at most {longest:g} s\n{''.join(remarks)}valid: {name}\n"
+    text = f"{scenario.name}\nphases: {phases}; at most {longest:g} s\n{''.join(remarks)}valid: {name}\n"
+    return printable_lines(text)
 
 
 def _text(result: Run, name: str) -> str:

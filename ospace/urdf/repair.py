@@ -91,28 +91,23 @@ def write(
     OspaceError
         `out` exists, or cannot be written.
     """
-    if os.path.lexists(out):
-        raise OspaceError(f"{out}: exists already, and nothing is overwritten: give another name")
+    _refuse_to_overwrite(out)
     text = xacro.read(path, package_dirs=package_dirs, arguments=xacro_args, limits=limits)
     content, changes = repair_content(path, text.content, limits)
     reader.read_content(path, content, limits=limits, root=root)  # nothing is written that could not be read again
     if changes or text.files:
         try:
-            _write_new(out, content)
+            with replacing(out) as part:
+                part.write_bytes(content)
+                _refuse_to_overwrite(out)  # what another has written meanwhile
         except OSError as error:
             raise OspaceError(f"{out}: cannot be written: {error.strerror}") from None
     return changes
 
 
-def _write_new(out: Path, content: bytes) -> None:
-    """Write a file that is not there yet, the whole of it or none."""
-    open(out, "xb").close()  # two that write at once do not both succeed
-    try:
-        with replacing(out) as part:
-            part.write_bytes(content)
-    except BaseException:
-        out.unlink()
-        raise
+def _refuse_to_overwrite(out: Path) -> None:
+    if os.path.lexists(out):
+        raise OspaceError(printable(f"{out}: exists already, and nothing is overwritten: give another name"))
 
 
 def repair_content(path: Path, content: bytes, limits: Limits | None = None) -> tuple[bytes, list[Change]]:

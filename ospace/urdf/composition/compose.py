@@ -212,7 +212,7 @@ class _Robot:
         """Write all parts into the <robot> of the first."""
         whole = self.roots[0]
         _unite_versions(self.roots, [part.part for part in self.parts])
-        whole.set("name", name)
+        whole.set("name", printable(name))  # of a file, which may have letters that XML cannot hold
         for root, part in zip(self.roots, self.parts, strict=True):
             start = etree.Comment(f" {part.comment} ")
             start.tail = "\n  "

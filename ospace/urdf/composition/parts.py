@@ -65,7 +65,8 @@ class Part:
             object.__setattr__(
                 self, key, tuple(checked_vector(getattr(self, key), 3, f"{key} of {self.source}").tolist())
             )
-        if not isinstance(self.prefix, str) or (self.prefix and not re.fullmatch(r"[^\s<>&\"']+", self.prefix)):
+        prefix = self.prefix if isinstance(self.prefix, str) else " "
+        if not re.fullmatch(r"[^\s<>&\"']*", prefix) or not prefix.isprintable():
             raise OspaceError(f"prefix {self.prefix!r}: give a word, such as 'left_'")
         if isinstance(self.remove, str):
             object.__setattr__(self, "remove", (self.remove,))

@@ -204,7 +204,10 @@ def move_meshes(root: etree._Element, folder: Path, out: Path) -> None:
             continue
         file = Path(here, rest)
         path = os.path.relpath(os.path.join(os.path.realpath(file.parent), file.name), there)
-        element.set("filename", path if path != os.path.normpath(rest) else rest)
+        try:
+            element.set("filename", path if path != os.path.normpath(rest) else rest)
+        except ValueError:  # control characters, or bytes that are no letters
+            raise OspaceError(printable(f"{path}: XML cannot hold this name: rename the file or its folder")) from None
 
 
 def end(joint: etree._Element, which: str) -> str:

@@ -224,3 +224,25 @@ def test_a_quaternion_that_was_not_used_must_not_come_into_use(file):
     old, new = file(turned("old", ""), "old.urdf"), file(turned("new", "1.2"), "new.urdf")
     with pytest.raises(OspaceError, match=r"old.urdf: has quat_xyzw, which its version of URDF does not use"):
         compose(old, new)
+
+
+@pytest.mark.parametrize(
+    ("name", "shown"), [("o\x1b", r"o\x1b"), ("o\udcff", r"o\udcff"), ("o--p", "o--p"), ("ö", "ö")]
+)
+def test_the_name_of_any_file_names_the_robot(file, tmp_path, name, shown):
+    out = tmp_path / f"{name}.urdf"
+    assert tree(ospace.compose(file(ARM), out=out)).get("name") == shown
+    assert ospace.SpaceRobot.from_urdf(out).name == shown
+
+
+def test_a_mesh_that_xml_cannot_name_is_refused(file, tmp_path):
+    shape = '<visual><geometry><mesh filename="m.stl"/></geometry></visual>'
+    arm = file(robot(link("base", None, shape)), folder="parts\x1b")
+    with pytest.raises(ospace.OspaceError, match=r"parts\\x1b/m\.stl: XML cannot hold this name: rename"):
+        ospace.compose(arm, out=tmp_path / "out.urdf")
+
+
+@pytest.mark.parametrize("prefix", ["\x1b", "a b", "\ud800", None, 1])
+def test_a_prefix_that_no_name_can_have_is_refused(prefix):
+    with pytest.raises(ospace.OspaceError, match="give a word"):
+        ospace.Part("arm.urdf", prefix=prefix)
