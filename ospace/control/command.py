@@ -109,8 +109,8 @@ class Command:
     _layout: CommandLayout = field(repr=False)
     _bounds: tuple[Floats, Floats, Floats, Ints] = field(repr=False)
     """Lower, upper, what they bound, and causes."""
-    _rows: tuple[Floats, Floats, Floats, Floats] = field(repr=False)
-    """A, errors, residuals, independence."""
+    _rows: tuple[Floats, Floats, Floats, Floats, Floats] = field(repr=False)
+    """A, errors, residuals, independence, equivalent errors."""
     _short: tuple[Floats, Floats] | None = field(repr=False, default=None)
     """By how much tasks are short (T, 2), and C, where one is by more than it may."""
     nearest: Nearest | None = None
@@ -156,14 +156,16 @@ class Command:
         if self._short is None:
             return ()
         (short, C), layout = self._short, self._layout
-        A, error, residual, _ = self._rows
+        A, error, residual, _, equivalent = self._rows
         over = np.flatnonzero((short > layout.allowed).any(axis=1))
         rows = np.vstack([np.eye(C.shape[1]), C])
         binding = (rows[[i for i, _ in self._binding]], tuple(name for _, name in self._binding))
         found = []
         for t in map(int, over):
             own = slice(layout.first[t], layout.first[t + 1])
-            rows_of_task = TaskResidual(A[own], error[own], residual[own], layout.components_of_rows[own])
+            rows_of_task = TaskResidual(
+                A[own], error[own], equivalent[own], residual[own], layout.components_of_rows[own]
+            )
             why = shortfall(
                 layout.tasks[t],
                 rows_of_task,

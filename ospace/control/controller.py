@@ -139,7 +139,7 @@ class Controller:
         limit_horizon: float | None = None,
         regularization: float = 1e-6,
         singular: float = 1e-5,
-        damping: float = 1e-2,
+        damping: float = 1e-5,
         trust_radius: float = 1.0,
         wheel_momentum: npt.ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
@@ -478,7 +478,8 @@ class Controller:
         lower, upper = program.lower.copy(), program.upper.copy()
         torque_rows = slice(len(z), len(z) + n)
         lower[torque_rows], upper[torque_rows] = self._limits.torque
-        rows = (self._rows.A.copy(), self._rows.error.copy(), answer.residual.copy(), self._weights.independence.copy())
+        own = (self._rows.A, self._rows.error, answer.residual, self._weights.independence, self._rows.equivalent_error)
+        A, error, residual, independence, equivalent = (one.copy() for one in own)
         now = clock.perf_counter()
         start, evaluated, assembled, solved = marks
         timing = Timing(evaluated - start, assembled - evaluated, solved - assembled, now - start)
@@ -496,7 +497,7 @@ class Controller:
             timing,
             self._layout,
             (lower, upper, value, program.cause.copy()),
-            rows,
+            (A, error, residual, independence, equivalent),
             (answer.short.copy(), program.C.copy()) if self._falls_short else None,
             None if self._clearance is None else self._clearance.nearest,
         )

@@ -127,7 +127,7 @@ def empty_program(n: int, k: int, rows: int, g: int, allowed: Floats) -> tuple[T
     size = n + k
     bounds = np.zeros((2, size + n + g))
     bounds[0, size + n :], bounds[1, size + n :] = -qp.UNLIMITED, qp.UNLIMITED
-    task_rows = TaskRows(np.zeros((rows, size)), np.zeros(rows), np.zeros(rows), np.zeros((size, 6)))
+    task_rows = TaskRows(np.zeros((rows, size)), *np.zeros((3, rows)), np.zeros((size, 6)))
     cause = np.zeros((2, n), dtype=np.int64)
     program = qp.Program(np.zeros((size, size)), np.zeros(size), np.zeros((n + g, size)), bounds[0], bounds[1], cause)
     answer = qp.Answer(np.zeros(n), np.zeros((1, 6)), np.zeros(rows), np.zeros_like(allowed), allowed)

@@ -31,6 +31,8 @@ class Overrun(NamedTuple):
     """Of the cycle, s."""
     duration: float
     """s."""
+    processor: float = math.nan
+    """For how much of it the thread had a processor, s; the rest went to other programs. NaN where it is not known."""
 
 
 class Loop:
@@ -61,20 +63,21 @@ class Loop:
 
     def update(self, time: float, q: npt.ArrayLike, v: npt.ArrayLike) -> Command:
         """Return what `Controller.update` does, and note how long it took."""
-        start = clock.perf_counter()
+        worked, start = clock.thread_time(), clock.perf_counter()
         command = self.controller.update(time, q, v)
-        self.note(time, clock.perf_counter() - start)
+        duration = clock.perf_counter() - start
+        self.note(time, duration, clock.thread_time() - worked)
         return command
 
-    def note(self, time: float, duration: float) -> None:
+    def note(self, time: float, duration: float, processor: float = math.nan) -> None:
         """Note that the cycle at `time` took so long, s: for loops that do more in a cycle than `update`."""
         self.cycles += 1
         self._counts[_bin(duration)] += 1
         if duration > self.largest.duration:
-            self.largest = Overrun(time, duration)
+            self.largest = Overrun(time, duration, processor)
         if duration > self.period:
             self.overruns += 1
-            self.last_overruns.append(Overrun(time, duration))
+            self.last_overruns.append(Overrun(time, duration, processor))
 
     def percentile(self, share: float) -> float:
         """Return within which time `share` percent of the cycles were done, s, to 1 %; NaN before the first."""
@@ -91,6 +94,8 @@ class Loop:
             f"{self.cycles} cycles: median {middle:.3g} µs, 99 % within {p99:.3g}, 99.9 % within {p999:.3g}, "
             f"largest {self.largest.duration * 1e6:.4g} µs at {self.largest.time:.6g} s"
         )
+        if not math.isnan(self.largest.processor):
+            text += f", {self.largest.processor * 1e6:.4g} of it on a processor"
         late = f"{self.overruns} overruns of {self.period * 1e3:g} ms" if self.overruns else "no overrun"
         left = f"; {self.garbage} objects left in reference cycles" if self.garbage else ""
         return f"{text}; {late}{left}"

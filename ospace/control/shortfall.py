@@ -6,7 +6,7 @@ can, ā² = |A|² / rows. What stands against the pull tells why the task falls 
     |Aᵀ r| < 0.1 ā |r|                   no motion of the joints, nor of the base's actuation, would help: out of reach
                                          where its error is as large, else at a dynamic singularity
     −Aᵀ r = Gᵀ λ but for half of it      the limits that bind hold it, G their rows
-    |e| > δ ā / 3                        its joints are damped, since it asks for more motion than the trust radius
+    |ê| > δ ā / 3                        its joints are damped, since it asks for more motion than the trust radius
     else                                 other tasks
 """
 
@@ -100,6 +100,8 @@ class TaskResidual(NamedTuple):
     """(r, n + k)."""
     error: Floats
     """(r,)."""
+    equivalent_error: Floats
+    """(r,) ê, as in `ospace.kernels.qp.program`."""
     residual: Floats
     """(r,) A z − b."""
     components: Ints
@@ -128,7 +130,7 @@ def shortfall(
     unit : str
         Of a task in Python, whose rows are along no axes; empty for others.
     """
-    A, error, residual, components = rows
+    A, error, equivalent, residual, components = rows
     mean, size = float(np.linalg.norm(A)) / math.sqrt(len(A)), float(np.linalg.norm(residual))
     turning = bool(short[1] / allowed[1] > short[0] / allowed[0])
     missing = np.zeros(3)
@@ -156,7 +158,7 @@ def shortfall(
             order = [k for k in np.argsort(-strength) if strength[k] > _BLAMED * strength.max() + _CLEAR]
             held = tuple(dict.fromkeys(names[k] for k in order))
             return Shortfall(task, "held back by limits", *own, held, turning, unit or "m")
-    damped = float(np.linalg.norm(error)) > _DAMPED * trust_radius * mean
+    damped = float(np.linalg.norm(equivalent)) > _DAMPED * trust_radius * mean
     return Shortfall(
         task, "on its way" if damped else "held back by other tasks", *own, turning=turning, unit=unit or "m"
     )

@@ -81,6 +81,25 @@ def test_an_arm_whose_target_leaves_its_reach_stretches_and_rests(velocity, leve
     assert np.linalg.norm(errors[-1, :3]) > 0.9
 
 
+@pytest.mark.parametrize("level", [None, 0])
+def test_on_the_way_out_torques_do_not_jump(level):
+    """The elbow is at its velocity limit when the arm is straight, and nothing below a strict level slows it."""
+    robot = arms.arm()
+    q = at(robot, BENT)
+    target = drifting(robot.state(q).placement(robot.point("tool")), (0.0, 0.0, 0.1))
+    run, _ = follow(robot, q, target, 3.3, others=[rest()], level=level)
+    assert abs(run.q[-1, 7 + arms.ELBOW]) < 0.1
+    assert torque_step(run, since=0.1) < 5.0
+
+
+def test_a_damping_far_above_the_singularity_is_a_switch():
+    robot = arms.arm()
+    q = at(robot, BENT)
+    target = drifting(robot.state(q).placement(robot.point("tool")), (0.0, 0.0, 0.1))
+    run, _ = follow(robot, q, target, 3.3, level=0, damping=1e-2)
+    assert torque_step(run, since=0.1) > 10.0
+
+
 def test_without_the_damping_it_swings_at_full_torque():
     """What a trust radius that is never left brings back."""
     robot = arms.arm()
@@ -134,17 +153,18 @@ def test_singularities_are_passed(kind):
     if kind == "dynamic":
         assert min(abs(arms.smallest_singular_value(robot, joints, floating=False)) for joints in way) > 0.1
     q, reference = arms.way_of_the_hand(robot, start, end, 4.0)
-    run, errors = follow(robot, q, reference, 4.0, others=[rest(1e-4)])
-    assert np.linalg.norm(errors[:, :3], axis=1).max() < 0.3e-3
-    assert np.linalg.norm(errors[:, 3:], axis=1).max() < 1e-3
-    assert np.abs(run.v[:, 6 + arms.ELBOW]).max() > 0.1 * abs(end[arms.ELBOW] - start[arms.ELBOW])
-    assert np.abs(run.q[-1, 7:] - end).max() < 0.05  # through, and not turned back
+    for level, weight, most in ((None, 1e-4, 0.3e-3), (0, 1e-3, 0.02e-3)):
+        run, errors = follow(robot, q, reference, 4.0, others=[rest(weight)], level=level)
+        assert np.linalg.norm(errors[:, :3], axis=1).max() < most
+        assert np.linalg.norm(errors[:, 3:], axis=1).max() < 1e-3
+        assert np.abs(run.v[:, 6 + arms.ELBOW]).max() > 0.1 * abs(end[arms.ELBOW] - start[arms.ELBOW])
+        assert np.abs(run.q[-1, 7:] - end).max() < 0.05  # through, and not turned back
 
 
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("nearness", [0.0, 0.5, 0.9])
 def test_the_objective_is_the_one_that_is_written(seed, nearness):
-    """H = Aᵀ W A + ε + D and f = −Aᵀ W b + D_s d φ̇, from the rows by their definition."""
+    """H = Aᵀ W A + ε + D and f = −Aᵀ W b + D_s d φ̇, from the rows and ê = e + ė d/k by their definition."""
     robot, rng = arms.arm(), np.random.default_rng(seed)
     q, v = at(robot, rng.uniform(-1.5, 1.5, 6)), 0.2 * rng.normal(size=robot.nv)
     goal = robot.state(q).placement(robot.point("tool"))
@@ -157,7 +177,9 @@ def test_the_objective_is_the_one_that_is_written(seed, nearness):
     run.follow("hand", Constant(goal))
     command = run.update(0.0, q, v)
     assert ("hand" in command.near_singularity) == (nearness > 0.0)
-    b, error = run._rows.b[:6], run._rows.error[:6]
+    state = robot.state(q, v)
+    velocity = ospace.operational_space(state, robot.point("tool")).jacobian @ np.r_[state.base_twist, v[6:]]
+    b, error = run._rows.b[:6], command.errors["hand"] - 2.0 * 0.7 * 3.0 / 9.0 * velocity
     whole = np.sum(A**2) / 6.0
     s = min(1.0, error @ error / (0.7**2 * whole))
     slowed = 4.0 * s * (np.sum(A**2, axis=0) + 0.03 * whole)

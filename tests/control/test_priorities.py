@@ -2,6 +2,7 @@
 
 import itertools
 
+import arms
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -12,12 +13,16 @@ from ospace.control import (
     BaseAttitudeTask,
     Constant,
     Controller,
+    DampingTask,
     JointLimits,
     OrientationTask,
     PoseTask,
     PostureTask,
 )
 from ospace.control.base import MODES
+from ospace.control.priorities import Level, relaxed, solve_by_levels
+from ospace.control.solvers import solver_of
+from ospace.kernels.qp.tables import UNLIMITED, Program
 from ospace.validation.sampling import random_state
 
 
@@ -109,3 +114,68 @@ def test_a_level_without_a_solution_is_named(chaser, hand, level):
     assert f"'{name}'" in command.explanation
     np.testing.assert_allclose(command.residuals["hand"], whole.residuals["hand"], rtol=0, atol=1e-4)
     assert (np.abs(command.torque) <= run.limits.torque).all()
+
+
+def test_weights_balance_tasks_of_one_level():
+    """As they do without levels: two poses that contradict each other, nine to one."""
+    robot = arms.arm()
+    q = robot.configuration({"joint_1": 0.4, "joint_2": 1.2, "joint_4": 0.7})
+    pose = robot.state(q).placement(robot.point("tool"))
+    found = []
+    for level in (0, None):
+        tasks = [
+            PoseTask(
+                name=f"by {weight}",
+                point=robot.point("tool"),
+                weight=weight,
+                level=level,
+                reference=Constant(pin.SE3(pose.rotation, pose.translation + np.array([by, 0.0, 0.0]))),
+            )
+            for weight, by in ((9.0, 0.01), (1.0, -0.01))
+        ]
+        run = Controller(robot, tasks, limits=unlimited(robot), trust_radius=1e6)
+        found.append(run.update(0.0, q, np.zeros(robot.nv)))
+    leveled, weighted = (one.joint_acceleration for one in found)
+    np.testing.assert_allclose(leveled, weighted, rtol=0, atol=1e-6 * np.abs(weighted).max())
+    np.testing.assert_allclose(found[0].residuals["by 9.0"][0], -25.0 * 0.1 * 0.02, rtol=1e-3)
+
+
+def bare_program(size, lower, upper):
+    """Nothing to minimize: z and, without a weight, as many torques, between bounds."""
+    bounds = np.concatenate([lower, np.full(size, -UNLIMITED)]), np.concatenate([upper, np.full(size, UNLIMITED)])
+    return Program(np.zeros((size, size)), np.zeros(size), np.eye(size), *bounds, np.zeros((2, size), dtype=np.int64))
+
+
+def test_what_damps_a_level_damps_those_below():
+    """Else these would swing for it: a level damped by 1 of one row, and one without a damping that asks for 1."""
+    program = bare_program(3, np.full(3, -UNLIMITED), np.full(3, UNLIMITED))
+    rows, none = np.eye(3), np.zeros(3)
+    levels = [
+        Level(rows[:1], np.array([1.0]), np.ones(3), np.array([0.0, -0.25, 0.0])),
+        Level(rows[1:2], np.array([1.0]), none, none),
+    ]
+    z = solve_by_levels(program, levels, solver_of("daqp"), 1e-9).z
+    np.testing.assert_allclose(z, [0.5, 0.5 * (1.0 + 0.25), 0.0], atol=1e-5)
+
+
+def test_bounds_that_contradict_each_other_give_way_by_the_least_squares():
+    """φ̈ from 10 on, and an inequality that ends it at 4: both by 3."""
+    n, inf = 1, UNLIMITED
+    program = Program(
+        np.ones((1, 1)), np.zeros(1), np.ones((2, 1)), np.array([10.0, -inf, -inf]), np.array([inf, inf, 4.0]),
+        np.zeros((2, 1), dtype=np.int64),
+    )  # fmt: skip
+    moved, z = relaxed(program, n, solver_of("daqp"))
+    np.testing.assert_allclose(z, 7.0, atol=1e-3)
+    np.testing.assert_allclose([moved.lower[0], moved.upper[2]], 7.0, atol=1e-3)
+
+
+def test_where_nothing_can_be_solved_joints_are_braked_within_a_tenth_of_a_second():
+    robot = arms.arm()
+    run = Controller(robot, [DampingTask(name="rest")])
+    run._solve = lambda program: None
+    v = np.zeros(robot.nv)
+    v[6:] = 1e-3 * np.array([0.0, 3.0, 0.0, 0.0, 0.0, 0.0])
+    command = run.update(0.0, robot.configuration(), v)
+    assert command.status == "stopped"
+    np.testing.assert_allclose(command.joint_acceleration, -v[6:] / 0.1, rtol=0, atol=1e-4)

@@ -1,6 +1,7 @@
 """Cycles leave nothing for Python's collector to do, and `realtime` keeps it out of a loop and times the cycles."""
 
 import gc
+import time
 
 import custom
 import numba
@@ -124,6 +125,21 @@ def test_overruns_are_counted_with_their_times(robot, controller):
         loop.update(0.0, q, v)
     assert (loop.cycles, loop.overruns) == (1, 0)
     assert loop.largest.duration > 0.0
+
+
+def test_a_cycle_tells_how_long_it_had_the_processor(robot, controller):
+    """The rest was of other programs; sleep stands for these."""
+    q, v = robot.configuration(), np.zeros(robot.nv)
+    with realtime(controller, period=0.02) as loop:
+        loop.update(0.0, q, v)
+        assert loop.largest.processor > 0.0
+        update = controller.update
+        controller.update = lambda *state: (time.sleep(0.2), update(*state))[1]
+        loop.update(1.0, q, v)
+    assert loop.largest.time == 1.0
+    assert loop.largest.processor < loop.largest.duration - 0.15
+    assert loop.last_overruns[-1] == loop.largest
+    assert "of it on a processor" in str(loop)
 
 
 def test_the_record_has_percentiles_and_the_largest(controller):

@@ -8,6 +8,7 @@ from commands import unlimited
 from ospace.control import (
     Constant,
     Controller,
+    Function,
     MinimumJerk,
     PoseTask,
 )
@@ -38,3 +39,29 @@ def test_large_turns_are_errors_of_their_size(chaser, hand, angle):
         error = run.update(0.0, q, v).errors["hand"]
         assert np.linalg.norm(error[3:]) == pytest.approx(angle, abs=1e-7)
         assert abs(error[3:] @ axis) == pytest.approx(angle, abs=1e-7)
+
+
+def test_minimum_jerk_is_fed_forward(chaser, hand):
+    """As the same motion by its definition: 10 u³ − 15 u⁴ + 6 u⁵ of the way, and of the turn about one axis."""
+    q, v = chaser.configuration(), np.zeros(24)
+    origin = chaser.state(q, v).placement(hand)
+    way, turn, start, T = np.array([0.05, -0.1, 0.1]), np.array([0.4, 0.1, -0.3]), 1.0, 4.0
+    goal = pin.SE3(pin.exp3(turn) @ origin.rotation, origin.translation + way)
+
+    def motion(time):
+        u = (time - start) / T
+        s, rate, curve = (
+            10.0 * u**3 - 15.0 * u**4 + 6.0 * u**5,
+            (30.0 * u**2 - 60.0 * u**3 + 30.0 * u**4) / T,
+            (60.0 * u - 180.0 * u**2 + 120.0 * u**3) / T**2,
+        )
+        pose = pin.SE3(pin.exp3(s * turn) @ origin.rotation, origin.translation + s * way)
+        return pose, np.r_[rate * way, rate * turn], np.r_[curve * way, curve * turn]
+
+    runs = [
+        Controller(chaser, [PoseTask(name="hand", point=hand, reference=one)], limits=unlimited(chaser))
+        for one in (MinimumJerk(origin, goal, start, T), Function(motion))
+    ]
+    for time in (1.3, 2.4, 3.7):
+        one, other = (run.update(time, q, v).joint_acceleration for run in runs)
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-9 * np.abs(other).max())

@@ -5,12 +5,14 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+import ospace
 from ospace.control import (
     BaseAttitudeTask,
     Completion,
     Constant,
     Controller,
     DampingTask,
+    Function,
     JointLimits,
     OrientationTask,
     PoseTask,
@@ -83,7 +85,11 @@ def test_what_a_singularity_costs_without_an_error_is_its_own_reason():
     robot = arms.arm()
     q, v = bent(robot, [0.0, 0.5, 0.0, 0.0, 0.0, 0.0]), np.zeros(12)
     v[6:] = 0.0, 1.0, -1.5, 1.0, 0.0, 0.5  # the drift along the arm, that no joint can make up for
-    (short,) = told(robot, q, [hand(robot, q, [0.0, 0.0, 0.0], PositionTask, stiffness=9.0)], v).shortfalls
+    pose = moved(robot, q, [0.0, 0.0, 0.0]).pose
+    velocity = ospace.operational_space(robot.state(q, v), robot.point("tool")).jacobian @ v
+    along = Function(lambda time: (pose, velocity, np.zeros(6)))
+    own = {"stiffness": 9.0, "reference": along}
+    (short,) = told(robot, q, [hand(robot, q, [0.0, 0.0, 0.0], PositionTask, **own)], v).shortfalls
     assert short.reason == "near a dynamic singularity"
 
 
@@ -119,6 +125,16 @@ def test_a_long_way_is_told_as_one():
     robot = arms.arm()
     q = bent(robot)
     (short,) = told(robot, q, [hand(robot, q, [-0.5, 0.4, -0.3])]).shortfalls
+    assert short.reason == "on its way"
+
+
+def test_a_reference_that_runs_ahead_is_on_its_way_too():
+    """What it asks of the error's rate counts as the error that a spring would need for it, 2 · 2 m/s / 10."""
+    robot = arms.arm()
+    q = bent(robot)
+    pose, velocity = moved(robot, q, [0.0, 0.0, 0.0]).pose, np.r_[2.0, np.zeros(5)]
+    ahead = Function(lambda time: (pose, velocity, np.zeros(6)))
+    (short,) = told(robot, q, [hand(robot, q, [0.0, 0.0, 0.0], reference=ahead)]).shortfalls
     assert short.reason == "on its way"
 
 

@@ -1,5 +1,6 @@
 """Joints without a drive: they move as the others make them, and no state drives them."""
 
+import arms
 import missions
 import numpy as np
 import pinocchio as pin
@@ -135,3 +136,19 @@ def test_no_state_drives_a_joint_without_a_drive(chaser, hand, leveled):
             passed = abs(rate) > limits.velocity[j] + 1e-7 or abs(command.joint_acceleration[j]) > 5.0 + 1e-4
             assert passed <= (name in command.softened), (seed, command.explanation)
     assert seen >= {"falling short", "softened"}
+
+
+def test_a_joint_without_a_drive_that_is_too_fast_says_by_how_much():
+    """The acceleration that would be missing to be at the limit after a period."""
+    robot = arms.arm()
+    limits, j = JointLimits.of(robot), 5
+    torque, velocity = limits.torque.copy(), limits.velocity.copy()
+    torque[j], velocity[j] = 0.0, 0.5
+    limits = JointLimits(torque, limits.lower, limits.upper, velocity, limits.acceleration)
+    v = np.zeros(robot.nv)
+    v[6 + j] = 0.8
+    run = Controller(robot, [DampingTask(name="rest")], limits=limits, period=0.01)
+    command = run.update(0.0, robot.configuration(), v)
+    after = 0.8 + 0.01 * command.joint_acceleration[j]
+    assert command.status == "softened"
+    assert command.softened == {"joint_5": pytest.approx((after - 0.5) / 0.01, rel=1e-9)}

@@ -22,7 +22,7 @@ from ospace.kernels.jit.simd import zeros
 from ospace.kernels.qp.joint_limits import ceiling
 from ospace.kernels.qp.tables import Program
 from ospace.kernels.spatial import cross, dot3, dot6, rotate
-from ospace.kernels.tasks.rows import base_response, saturation_factor
+from ospace.kernels.tasks.rows import LEAST_STIFFNESS, base_response, saturation_factor
 from ospace.kernels.tasks.tables import BaseActuation, TaskRows
 from ospace.kernels.tree import Floats, Ints
 from ospace.kernels.workspace import Work, open_work
@@ -87,7 +87,7 @@ def write_custom_rows(
             if c < custom.tasks:
                 demanded = custom.gain[c, 0] * y + custom.gain[c, 1] * rate
                 rows.b[row] = -saturation_factor(square) * demanded - write_row(w, base, custom, i, rows.A, row)
-                rows.error[row] = y
+                rows.error[row], rows.equivalent_error[row] = y, demanded / max(custom.gain[c, 0], LEAST_STIFFNESS)
             else:
                 a = custom.gain[c, 0]
                 least = min((-ceiling(y + 0.5 * h * rate, a, T) - rate) / r, a)

@@ -7,17 +7,21 @@ With z = [φ̈; û] as in `tasks`, and W the weights of the rows,
 
 G has the rows of inequalities that users bring; they are there before (`custom_rows`).
 
-The joints are damped by the diagonal D = D_s + D_0. A task of r rows A, error e and damping d, with a_k the column of
-joint k and ā² = |A|² / r, adds to these
+The joints are damped by the diagonal D = D_s + D_0. A task of r rows A, error e, stiffness k and damping d adds to
+these, with a_k the column of joint k, ā² = |A|² / r and ê = e + ė d/k,
 
-    D_s:  w s (|a_k|² + 0.03 ā²),   s = min(1, |e|² / (δ ā)²)     min ½ w s (|a_k|² + 0.03 ā²) (φ̈_k + d φ̇_k)²
+    D_s:  w s (|a_k|² + 0.03 ā²),   s = min(1, |ê|² / (δ ā)²)     min ½ w s (|a_k|² + 0.03 ā²) (φ̈_k + d φ̇_k)²
     D_0:  w damping (1 − p / singular)² ā²,   if p < singular     p the smallest pivot of A Aᵀ at unit diagonal
 
-D_s is Levenberg's and Marquardt's: |e| / ā is about how far joints have to move to make up for e, and the rows hold
-only within a trust radius δ of here. Beyond it, as where a target is out of reach, b pulls a stretched arm straight
-from either side, while the damping that it demands of the error's rate vanishes, as d σ² does along a direction of
-singular value σ: the arm would swing at full torque. So joints are damped by d themselves, those that move the task by
-their share. In passing a singularity e is next to nothing, and so is s. D_0 bounds φ̈ there, and leaves φ̇ alone.
+D_s is Levenberg's and Marquardt's: |ê| / ā is about how far joints have to move for what spring and damper ask, as much
+as a spring alone does at the error ê, and the rows hold only within a trust radius δ of here. The error's rate is in it
+because a reference that leaves the reach is seen by that first, and because an error that falls needs no damping.
+Beyond the radius, as where a target is out of reach, b pulls a stretched arm straight from either side, while the
+damping that it demands of the error's rate vanishes, as d σ² does along a direction of singular value σ: the arm would
+swing at full torque. So joints are damped by d themselves, those that move the task by their share.
+
+In passing a singularity ê is next to nothing, and so is s. D_0 bounds φ̈ there, and leaves φ̇ alone. With a `damping` of
+about `singular` it sets in smoothly; with a larger one it is a switch, at which torques jump.
 
 τ_f is the torque of friction (`joint_friction`), for which drives make up within their limits. The program has it at φ̇.
 The torque, which is held over the period, makes up for it at φ̇ + h φ̈, so that a light joint with much friction, which
@@ -35,14 +39,13 @@ from ospace.kernels.qp.joint_limits import clamp_joints, friction_at, limit_torq
 from ospace.kernels.qp.tables import Answer, Program, ProgramLimits, Resistance, Weights
 from ospace.kernels.spatial import add6, scale6
 from ospace.kernels.tasks.all_tasks import assemble_rows
+from ospace.kernels.tasks.rows import LEAST_STIFFNESS
 from ospace.kernels.tasks.tables import CENTRE_OF_MASS, BaseActuation, TaskRows, Tasks
 from ospace.kernels.tree import Floats
 from ospace.kernels.workspace import Work, open_robot, open_work
 
 NOTHING, DEPENDENT = 1e-20, 1e-14
 """Square of a row that moves nothing; share of a row's square that is rounding."""
-LEAST_STIFFNESS = 1.0
-"""1/s², of a task that is taken for short of its reference by its residual."""
 EVENLY = 0.03
 """Of the mean square of rows, by which all joints are damped beside those that move the task: it may rest on others, as
 where a joint is at a limit or another task stands against it."""
@@ -118,7 +121,7 @@ def assemble_objective(w: Work, tasks: Tasks, rows: TaskRows, weights: Weights, 
         first, last = tasks.first[t], tasks.first[t + 1]
         if tasks.geometric[t]:
             weights.independence[t] = independence(rows.A, first, last, weights.orthogonal)
-            damp_joints(rows.A, rows.error, first, last, t, weights)
+            damp_joints(rows.A, rows.equivalent_error, first, last, t, weights)
             for k in range(n):
                 weights.slowed[t, k] *= tasks.gain[t, 1] * w.velocity[k + 6, 0]
                 H[k, k] += weight * weights.damped[t, k]

@@ -12,6 +12,8 @@ from ospace.kernels.workspace import Robot, Work
 
 LARGEST = 1e3
 """m/s², rad/s²."""
+LEAST_STIFFNESS = 1.0
+"""1/s², over which an acceleration is taken for an error at the least."""
 
 
 @inlined
@@ -68,6 +70,9 @@ def write_task_rows(tasks: Tasks, rows: TaskRows, t: int, error: Vec6, rate: Vec
     """Write the rows taken of the task's block: b = d rate + k error − drift, where `rate` is ẋ_ref − ẋ."""
     k_l, d_l, k_a, d_a = tasks.gain[t, 0], tasks.gain[t, 1], tasks.gain[t, 2], tasks.gain[t, 3]
     demanded = add6(scale3(error[0:3], k_l) + scale3(error[3:6], k_a), scale3(rate[0:3], d_l) + scale3(rate[3:6], d_a))
+    equivalent = scale3(demanded[0:3], 1.0 / max(k_l, LEAST_STIFFNESS)) + scale3(
+        demanded[3:6], 1.0 / max(k_a, LEAST_STIFFNESS)
+    )
     linear, angular = 0.0, 0.0
     for row in range(tasks.first[t], tasks.first[t + 1]):
         c = tasks.rows[row]
@@ -82,6 +87,7 @@ def write_task_rows(tasks: Tasks, rows: TaskRows, t: int, error: Vec6, rate: Vec
         c = tasks.rows[row]
         rows.b[row] = component(demanded, c)
         rows.error[row] = component(error, c)
+        rows.equivalent_error[row] = component(equivalent, c)
         for k in range(rows.A.shape[1]):
             rows.A[row, k] = rows.block[k, c]
 

@@ -61,5 +61,7 @@ class TaskRows(NamedTuple):
     A: Floats
     b: Floats
     error: Floats
+    equivalent_error: Floats
+    """(m,) e + ė d/k of tasks about points: the error that a spring alone would answer as spring and damper do."""
     block: Floats
     """(n + k, 6) work: columns of one task."""

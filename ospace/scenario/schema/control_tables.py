@@ -125,7 +125,7 @@ class ControlTable(Table):
     integrator: Annotated[str, OneOf(INTEGRATORS)] = Field("rk4", description="Scheme that integrates the motion")
     trust_radius: Setting = Field(1.0, description="Joint motion that an error may ask for undamped, rad or m")
     singular: Setting = Field(1e-5, description="Independence of a task's rows, 0 to 1, below which joints are damped")
-    damping: Setting = Field(1e-2, description="Weight of that damping, relative to the mean square of the rows")
+    damping: Setting = Field(1e-5, description="Weight of that damping, relative to the mean square of the rows")
     regularization: Setting = Field(1e-6, description="Weight of squared accelerations")
     limit_horizon: Period | None = Field(
         None,
