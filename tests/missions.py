@@ -23,7 +23,12 @@ def toml(*phases, tasks=(), disturbances=(), mass_errors=(), **tables):
     """Return the TOML of a scenario; a key whose value is None is left out. An empty list of tasks is written."""
     lines = _table("", {"name": tables.get("name")})
     for name in TABLES[1:]:
-        lines += _table(f"[{name}]", tables.get(name))
+        own = tables.get(name)
+        if isinstance(own, list):
+            for one in own:
+                lines += _table(f"[[{name}]]", one)
+        else:
+            lines += _table(f"[{name}]", own)
     for task in tasks:
         lines += _table("[[task]]", task)
     for head, own in (("[[disturbance]]", disturbances), ("[[mass_error]]", mass_errors)):

@@ -400,7 +400,7 @@ def test_limits_stay_read_only(chaser, copy_of):
 @copied
 def test_a_grasp_is_released_alike(copy_of):
     mission = scenario.load(ospace.models.scenario("grasp"))
-    chaser, target = mission.start, mission.target
+    chaser, target = mission.start, mission.targets["target"].start
     held = grasp(chaser, chaser.robot.point("right_hand"), target, target.robot.point(target.robot.frame_names[-1]))
     again = copy_of(held)
     assert bits([again.state.q, again.state.v, again.impulse]) == bits([held.state.q, held.state.v, held.impulse])

@@ -196,9 +196,9 @@ def _valid(scenario: Scenario, name: str, not_rehearsed: str) -> str:
         f"{who} starts outside limits of joints: {excess_text(robot.model, beyond)}\n"
         for who, robot, state in (
             ("robot", scenario.robot, scenario.start),
-            ("target", scenario.target_robot, scenario.target),
+            *((name, *target) for name, target in scenario.targets.items()),
         )
-        if robot is not None and state is not None and (beyond := robot.outside_limits(state.q))
+        if (beyond := robot.outside_limits(state.q))
     ]
     if not_rehearsed:
         remarks.append(f"not rehearsed: {not_rehearsed}\n")

@@ -34,10 +34,13 @@ class Obstacle:
     motion : function of time
         Returns q (nq,) and v (nv,) at a time, s, as `SpaceRobot.state` takes them, in the inertial frame of the
         controlled robot. Between these it is taken to move freely.
+    name : str, optional
+        All its links are called ``<name>/<link>`` then, which tells obstacles of one model apart.
     """
 
     robot: SpaceRobot
     motion: Callable[[float], tuple[npt.ArrayLike, npt.ArrayLike]]
+    name: str = ""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -184,7 +187,7 @@ class Clearance:
 
 def link_name(obstacle: Obstacle, link: str, taken: Container[str]) -> str:
     """Return what a link of an obstacle is called beside a robot that has frames of the names `taken`."""
-    return f"{obstacle.robot.name}/{link}" if link in taken else link
+    return f"{obstacle.name or obstacle.robot.name}/{link}" if obstacle.name or link in taken else link
 
 
 class Nearest(NamedTuple):

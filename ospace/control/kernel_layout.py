@@ -119,6 +119,11 @@ def limit_tables(
     )
 
 
+def nothing_held(n: int, k: int) -> qp.Held:
+    """Return tables of what n joints and k base components were commanded, before the first cycle."""
+    return qp.Held(np.zeros(n), np.zeros(n + k), np.full(1, np.nan), np.zeros(n), np.zeros((n, n)))
+
+
 def empty_program(n: int, k: int, rows: int, g: int, allowed: Floats) -> tuple[TaskRows, qp.Program, qp.Answer]:
     """Return tables: `rows` of tasks, the program of n joints, k base components and g inequalities, the answer.
 
@@ -127,7 +132,8 @@ def empty_program(n: int, k: int, rows: int, g: int, allowed: Floats) -> tuple[T
     size = n + k
     bounds = np.zeros((2, size + n + g))
     bounds[0, size + n :], bounds[1, size + n :] = -qp.UNLIMITED, qp.UNLIMITED
-    task_rows = TaskRows(np.zeros((rows, size)), *np.zeros((3, rows)), np.zeros((size, 6)))
+    b, error, equivalent_error = np.zeros((3, rows))
+    task_rows = TaskRows(np.zeros((rows, size)), b, error, equivalent_error, np.zeros((size, 6)))
     cause = np.zeros((2, n), dtype=np.int64)
     program = qp.Program(np.zeros((size, size)), np.zeros(size), np.zeros((n + g, size)), bounds[0], bounds[1], cause)
     answer = qp.Answer(np.zeros(n), np.zeros((1, 6)), np.zeros(rows), np.zeros_like(allowed), allowed)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -19,44 +19,44 @@ from ospace.scenario.table import Problem
 _Motion = Callable[[float], tuple[Floats, Floats]]
 
 
-def clearances(scenario: Scenario, plan: PhaseTable, robot: SpaceRobot, motion: _Motion | None) -> list[Clearance]:
+def clearances(
+    scenario: Scenario, plan: PhaseTable, robot: SpaceRobot, targets: Mapping[str, FreeMotion], period: float
+) -> list[Clearance]:
     """Return the clearance of a phase, if the scenario has one.
 
     Parameters
     ----------
     scenario : Scenario
     plan : PhaseTable
-        Where it ends by a grasp, the body of the hand and all beyond it may touch the target.
+        Where it ends by a grasp, the body of the hand and all beyond it may touch that target.
     robot : SpaceRobot
-        The chaser, as its controller knows it, or chaser and target combined; of that the chaser's links count.
-    motion : function of time
-        Returns q and v of the target where it moves by itself.
+        The chaser, as its controller knows it, or chaser and what it holds; of that the chaser's links count.
+    targets : mapping of str to FreeMotion
+        Those that move by themselves.
+    period : float
+        Of the cycles of control, s.
 
     Raises
     ------
     OspaceError
         A link is unknown, or a shape cannot be read.
     """
-    limits, target = scenario.limits, scenario.target_robot
+    limits = scenario.limits
     if limits.clearance is None:
         return []
     geometry = CollisionGeometry.of(scenario.robot).on(robot)
-    obstacles = [Obstacle(target, motion)] if target is not None and motion is not None else []
-    known = {*scenario.robot.frame_names, *(name for one in obstacles for name in _links(one, scenario.robot))}
-    held = target is not None and not obstacles
-    may_touch = [pair for pair in limits.may_touch if not held or known.issuperset(pair)]
-    made = Clearance(robot=robot, distance=limits.clearance, obstacles=obstacles, ignore=may_touch, geometry=geometry)
-    if plan.grasp is None or not obstacles:
+    obstacles = {name: _obstacle(scenario, name, _AtCycles(one, period)) for name, one in targets.items()}
+    links = {name: _links(one, scenario.robot) for name, one in obstacles.items()}
+    known = {*scenario.robot.frame_names, *(link for names in links.values() for link in names)}
+    ignored = [pair for pair in limits.may_touch if len(targets) == len(scenario.targets) or known.issuperset(pair)]
+    made = Clearance(
+        robot=robot, distance=limits.clearance, obstacles=list(obstacles.values()), ignore=ignored, geometry=geometry
+    )
+    if plan.grasp is None:
         return [made]
-    touching = [(a, b) for a in _beyond(made, plan.grasp) for b in _links(obstacles[0], scenario.robot)]
-    return [replace(made, ignore=(*may_touch, *touching))]
-
-
-def motion_of(target: FreeMotion | None, period: float) -> _Motion | None:
-    """Return q and v of a target as a function of time, for the cycles of control."""
-    if target is None:
-        return None
-    return _AtCycles(target, period)
+    touched = links[scenario.target_named(plan.grasp.target)]
+    touching = [(a, b) for a in _beyond(made, plan.grasp) for b in touched]
+    return [replace(made, ignore=(*ignored, *touching))]
 
 
 def problems(scenario: Scenario) -> Iterator[Problem]:
@@ -65,8 +65,10 @@ def problems(scenario: Scenario) -> Iterator[Problem]:
         return
     robot = scenario.robot
     try:
-        obstacle = [] if scenario.target_robot is None else [Obstacle(scenario.target_robot, _nowhere)]
-        Clearance(robot=robot, distance=scenario.limits.clearance, obstacles=obstacle, ignore=scenario.limits.may_touch)
+        obstacles = [_obstacle(scenario, name, _nowhere) for name in scenario.targets]
+        Clearance(
+            robot=robot, distance=scenario.limits.clearance, obstacles=obstacles, ignore=scenario.limits.may_touch
+        )
     except OspaceError as error:
         where = "may_touch" if str(error).startswith("clearance: ignore") else "clearance"
         yield scenario.limits.path(where), str(error).removeprefix("clearance: ").replace("ignore: ", "")
@@ -82,6 +84,11 @@ class _AtCycles:
         cycle = round(time / self._period)
         q, v = self._target.states(cycle, cycle + 1)
         return q[0], v[0]
+
+
+def _obstacle(scenario: Scenario, name: str, motion: _Motion) -> Obstacle:
+    """Return a target as an obstacle; where there are several, its links bear its name."""
+    return Obstacle(scenario.targets[name].robot, motion, name if len(scenario.targets) > 1 else "")
 
 
 def _nowhere(time: float) -> Any:

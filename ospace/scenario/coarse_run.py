@@ -83,7 +83,8 @@ def _coarse(scenario: Scenario) -> int:
     """Return how many control periods a coarse cycle has."""
     stiffest = max((task.stiffness for plan in scenario.phases for task in plan.tasks), default=0.0)
     rates = [math.sqrt(stiffest)] + [
-        float(np.abs(state.v[3:]).max()) for state in (scenario.start, scenario.target) if state is not None
+        float(np.abs(state.v[3:]).max())
+        for state in (scenario.start, *(target.start for target in scenario.targets.values()))
     ]
     shortest = min(min(plan.timeout, plan.duration or math.inf) for plan in scenario.phases)
     longest = min(_COARSEST, shortest / _IN_A_PHASE, _STIFF / max(*rates, 1e-9))

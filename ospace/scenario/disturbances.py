@@ -12,7 +12,6 @@ import numpy as np
 
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint
-from ospace.model.robot import SpaceRobot
 from ospace.scenario.schema import DisturbanceTable
 
 Wrenches = Mapping[OperationalPoint, Callable[[float], Floats]]
@@ -56,8 +55,3 @@ class Disturbances:
             return total
 
         return wrench
-
-
-def frame_when_held(frame: str, target: SpaceRobot, chaser: SpaceRobot) -> str:
-    """Return the name that a frame of the target has in the combined robot."""
-    return f"{target.name}/{frame}" if frame in chaser.frame_names else frame

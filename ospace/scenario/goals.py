@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,7 +27,7 @@ class Start:
     v: Floats
     cycle: int
     period: float
-    target: FreeMotion | None
+    targets: Mapping[str, FreeMotion]
 
     def reference(self, plan: TaskTable) -> Reference | None:
         """Return what the task follows; None for one that follows nothing."""
@@ -41,10 +42,9 @@ class Start:
             return Constant(pin.SE3.Identity(), data.hg.vector.copy())
         pose, velocity = self._now(plan)
         if isinstance(goal, Follow):
-            if self.target is None:
-                raise AssertionError("a target that is held is not followed: refused when the scenario was read")
-            point = self.target.robot.point(goal.follow, offset=goal.offset.pose)
-            return self._approach(plan, pose, velocity, self.target.frame(point), goal.duration)
+            target = self.targets[goal.target] if goal.target else next(iter(self.targets.values()))
+            point = target.robot.point(goal.follow, offset=goal.offset.pose)
+            return self._approach(plan, pose, velocity, target.frame(point), goal.duration)
         path = _path(goal, pose)
         if path is not None:
             made = AlongPath(

@@ -20,7 +20,17 @@ from ospace.model.state import State
 from ospace.scenario.errors import ScenarioError
 from ospace.scenario.plugins import allowed
 from ospace.scenario.rehearsal import rehearse
-from ospace.scenario.schema import POSITIONS, RATES, BodyTable, RobotTable, Scenario, ScenarioTable, TargetTable
+from ospace.scenario.schema import (
+    POSITIONS,
+    RATES,
+    TARGET,
+    BodyTable,
+    RobotTable,
+    Scenario,
+    ScenarioTable,
+    Target,
+    TargetTable,
+)
 from ospace.scenario.table import Problem
 from ospace.simulation import rigid_body, tumbling
 
@@ -31,7 +41,6 @@ _ENDLESS = {
     re.compile(r"(?<![\w-])[+-]?[\d_]{1000}"): "a number of 1000 digits or more",
 }
 """What a reader of TOML takes minutes and gigabytes for, or gives up."""
-_RobotAtStart = tuple[SpaceRobot, State] | tuple[None, None]
 
 
 def load(path: str | os.PathLike[str], plugins: Iterable[str] = ()) -> Scenario:
@@ -73,18 +82,17 @@ def load(path: str | os.PathLike[str], plugins: Iterable[str] = ()) -> Scenario:
     tables = list(read.tables())
     problems = [problem for table in tables for problem in table.problems()]
     robots = _Robots(file.parent, problems)
-    chaser, start = robots.chaser(read.robot) if isinstance(read.robot, RobotTable) else (None, None)
-    target_robot, target = (None, None) if read.target is None else robots.target(read.target)
-    if chaser is None or start is None:
+    chaser = robots.chaser(read.robot) if isinstance(read.robot, RobotTable) else None
+    named = {table.name or TARGET: robots.target(table) for table in read.targets}
+    if chaser is None:
         raise ScenarioError(file, problems)
     made = Scenario(
         path=file,
         source=source,
         name=read.name or file.stem,
-        robot=chaser,
-        start=start,
-        target_robot=target_robot,
-        target=target,
+        robot=chaser[0],
+        start=chaser[1],
+        targets={name: Target(*one) for name, one in named.items() if one is not None},
         base=read.robot.make_base(),
         limits=read.limits,
         control=read.control,
@@ -93,7 +101,8 @@ def load(path: str | os.PathLike[str], plugins: Iterable[str] = ()) -> Scenario:
         mass_errors=tuple(read.mass_error),
         phases=tuple(read.phase),
     )
-    rehearse(made, problems, target_known="target" not in read.model_fields_set or target is not None)
+    unread = "target" in read.model_fields_set and not named
+    rehearse(made, problems, None if unread else named.keys())
     if problems:
         raise ScenarioError(file, problems)
     return made
@@ -114,16 +123,16 @@ def _text(file: Path) -> str:
 
 
 class _Robots:
-    """Makes the robots of a scenario in their states; what is wrong goes to `problems`, and None twice comes back."""
+    """Makes the robots of a scenario in their states; what is wrong goes to `problems`, and None comes back."""
 
     def __init__(self, folder: Path, problems: list[Problem]) -> None:
         self.folder, self.problems = folder, problems
 
-    def chaser(self, table: RobotTable) -> _RobotAtStart:
+    def chaser(self, table: RobotTable) -> tuple[SpaceRobot, State] | None:
         """Return the chaser and its state at the start."""
         robot = self._model(table)
         if robot is None:
-            return None, None
+            return None
         positions, wrong = POSITIONS.read(table.joints, robot, table.path("joints"))
         rates, wrong_rates = RATES.read(table.joint_rates, robot, table.path("joint_rates"))
         self.problems += wrong + wrong_rates
@@ -135,20 +144,22 @@ class _Robots:
             return robot, robot.state(robot.configuration(_all_joints(robot, positions), table.pose), v)
         except OspaceError as error:
             self.problems.append((table.key, str(error)))
-            return None, None
+            return None
 
-    def target(self, table: TargetTable) -> _RobotAtStart:
+    def target(self, table: TargetTable) -> tuple[SpaceRobot, State] | None:
         """Return the target and its state at the start."""
         robot = self._model(table) if table.model else self._body(table.body)
         if robot is None:
-            return None, None
+            return None
+        if table.name:
+            robot.name = robot.model.name = table.name
         positions, wrong = POSITIONS.read(table.joints, robot, table.path("joints"))
         self.problems += wrong
         try:
             return robot, tumbling(robot, table.pose, table.spin, table.velocity, _all_joints(robot, positions))
         except OspaceError as error:
             self.problems.append((table.key, str(error)))
-            return None, None
+            return None
 
     def _model(self, table: RobotTable | TargetTable) -> SpaceRobot | None:
         """Read a file beside the scenario, or a robot that comes with ospace."""

@@ -23,6 +23,7 @@ from ospace.exceptions import OspaceError, printable
 from ospace.files import replacing
 from ospace.kernels.tree import Floats
 from ospace.scenario.result import BASE, PhaseResult, Run, Segment, Verdict
+from ospace.scenario.schema import TARGET
 from ospace.simulation import Certificate, Excess, Trajectory
 from ospace.simulation.certificate import LIMITS
 from ospace.stored import WRONG_KIND, arrays, fit, fit_times, made
@@ -34,6 +35,8 @@ class TargetMotion:
 
     Attributes
     ----------
+    name : str
+        In the scenario.
     robot_name : str
     time : (M,)
         s.
@@ -41,6 +44,7 @@ class TargetMotion:
         As of `SpaceRobot.state`.
     """
 
+    name: str
     robot_name: str
     time: Floats
     q: Floats
@@ -59,14 +63,14 @@ class LoggedSegment:
         To either side, N m, or N for prismatic joints; infinity where the model has none, 0 for a joint without drive.
     trajectory : Trajectory
         Of the chaser, or of chaser and target combined; the base's pose is the first seven numbers of its q.
-    target : TargetMotion, optional
-        While it moves by itself.
+    targets : tuple of TargetMotion
+        Those that move by themselves.
     """
 
     joints: tuple[str, ...]
     torque_limits: Floats
     trajectory: Trajectory
-    target: TargetMotion | None
+    targets: tuple[TargetMotion, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,10 +159,8 @@ def _logged(segment: Segment, run: Run) -> LoggedSegment:
     robot, actuated = segment.robot, run.scenario.robot
     limits = run.scenario.limits.of(robot, actuated).torque
     driven = [name in actuated.rate_names for name in robot.rate_names]
-    target = None
-    if segment.target is not None:
-        target = TargetMotion(segment.target.name, segment.target_time, segment.target_q, segment.target_v)
-    return LoggedSegment(tuple(robot.rate_names), np.where(driven, limits, 0.0), segment.trajectory, target)
+    targets = tuple(TargetMotion(one.name, one.robot.name, one.time, one.q, one.v) for one in segment.targets)
+    return LoggedSegment(tuple(robot.rate_names), np.where(driven, limits, 0.0), segment.trajectory, targets)
 
 
 # -- one file ----------------------------------------------------------------------------------------------------
@@ -166,7 +168,7 @@ def _logged(segment: Segment, run: Run) -> LoggedSegment:
 _ABOUT = "about"
 _LONGEST_NAME = 50
 """Letters; of four bytes each they still make a name that file systems take."""
-_FORMAT = "ospace run 2"
+_FORMAT = "ospace run 3"
 
 
 def save(run: Run | Log, path: str | os.PathLike[str]) -> Path:
@@ -281,10 +283,10 @@ def _fit_segment(name: str, segment: LoggedSegment) -> None:
     fit(f"{name}/trajectory/torque", run.torque, len(run), joints)
     fit(f"{name}/torque_limits", segment.torque_limits, joints)
     _sizes(*(number for one in run.outside_limits.values() for number in (one.amount, one.time)))
-    if segment.target is not None:
-        length = fit_times(f"{name}/target/time", segment.target.time)
-        fit(f"{name}/target/q", segment.target.q, length, None, least=7)
-        fit(f"{name}/target/v", segment.target.v, length, None, least=6)
+    for k, target in enumerate(segment.targets):
+        length = fit_times(f"{name}/targets/{k}/time", target.time)
+        fit(f"{name}/targets/{k}/q", target.q, length, None, least=7)
+        fit(f"{name}/targets/{k}/v", target.v, length, None, least=6)
 
 
 def _fit_phase(name: str, phase: PhaseResult) -> None:
@@ -349,11 +351,11 @@ def to_csv(run: Run, folder: str | os.PathLike[str]) -> list[Path]:
     for k, segment in enumerate(run.segments):
         own = to / f"segment_{k}"
         written += segment.trajectory.to_csv(own)
-        if segment.target is not None:
-            values = np.c_[segment.target_time, segment.target_q, segment.target_v]
-            heading = ["time [s]", *(f"q[{i}]" for i in range(segment.target_q.shape[1]))]
-            heading += [f"v[{i}]" for i in range(segment.target_v.shape[1])]
-            written.append(_table(own / "target.csv", heading, values))
+        for target in segment.targets:
+            heading = ["time [s]", *(f"q[{i}]" for i in range(target.q.shape[1]))]
+            heading += [f"v[{i}]" for i in range(target.v.shape[1])]
+            file = own / ("target.csv" if target.name == TARGET else f"target_{_safe(target.name)}.csv")
+            written.append(_table(file, heading, np.c_[target.time, target.q, target.v]))
     return written
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from ospace.kernels.tree import Floats
 from ospace.model.joint_positions import unit_of
 from ospace.model.robot import SpaceRobot
+from ospace.scenario.holds import Hold
 from ospace.scenario.schema import LimitsTable, Scenario
 from ospace.simulation import Certificate, Conserved, Excess, Grasp, Trajectory
 
@@ -174,6 +175,27 @@ class PhaseResult:
 
 
 @dataclass(frozen=True, eq=False)
+class FreeTarget:
+    """A target that moves by itself.
+
+    Attributes
+    ----------
+    name : str
+    robot : SpaceRobot
+    time : (M,)
+        s.
+    q, v : (M, nq), (M, nv)
+        As of `SpaceRobot.state`.
+    """
+
+    name: str
+    robot: SpaceRobot
+    time: Floats
+    q: Floats
+    v: Floats
+
+
+@dataclass(frozen=True, eq=False)
 class Segment:
     """Part of a run with one and the same robot: from its start, a grasp or a release to the next.
 
@@ -182,21 +204,16 @@ class Segment:
     robot : SpaceRobot
         The chaser, or chaser and target combined.
     trajectory : Trajectory
-    target : SpaceRobot, optional
-        While it moves by itself.
-    target_q, target_v : (M, nq), (M, nv)
-        Its motion at `target_time`.
-    held : Grasp, optional
-        By which `robot` is chaser and target combined.
+    targets : tuple of FreeTarget
+        Those that move by themselves.
+    holds : tuple of Hold
+        By which `robot` is chaser and targets combined, in the order in which they were grasped.
     """
 
     robot: SpaceRobot
     trajectory: Trajectory
-    target: SpaceRobot | None
-    target_time: Floats
-    target_q: Floats
-    target_v: Floats
-    held: Grasp | None = None
+    targets: tuple[FreeTarget, ...] = ()
+    holds: tuple[Hold, ...] = ()
 
 
 class Verdict:

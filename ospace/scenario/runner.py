@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -19,14 +19,15 @@ from ospace.kernels.tree import Floats
 from ospace.model.layout import Layout
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
-from ospace.scenario.clearance import clearances, motion_of
+from ospace.scenario.clearance import clearances
 from ospace.scenario.cycle_log import CycleLog
-from ospace.scenario.disturbances import Disturbances, frame_when_held
+from ospace.scenario.disturbances import Disturbances
 from ospace.scenario.goals import Start
+from ospace.scenario.holds import Hold, frames_when_held, parts
 from ospace.scenario.mass_errors import believed
 from ospace.scenario.motion import FreeMotion
-from ospace.scenario.result import Contact, Outcome, PhaseResult, Run, Segment, worst
-from ospace.scenario.schema import ROBOT, TARGET, Follow, GraspTable, PhaseTable, Scenario
+from ospace.scenario.result import Contact, FreeTarget, Outcome, PhaseResult, Run, Segment, worst
+from ospace.scenario.schema import ROBOT, Follow, GraspTable, PhaseTable, Scenario
 from ospace.simulation import Actuation, Certificate, CommandLike, Conserved, Grasp, Trajectory, grasp, simulate
 from ospace.simulation.certificate import relative
 from ospace.simulation.delay_line import DelayLine
@@ -44,10 +45,10 @@ _QV = tuple[Floats, Floats]
 
 
 class States(NamedTuple):
-    """States at one time: of robot and target, each by itself, and of the robot together with what it holds."""
+    """States at one time: of robot and targets, each by itself, and of the robot together with what it holds."""
 
     robot: State
-    target: State | None
+    targets: Mapping[str, State]
     combined: State
 
 
@@ -114,7 +115,7 @@ class _Phase:
         self.controller: Controller | None = None
         self._truth: Controller | None = None
         if tasks:
-            kept = clearances(scenario, plan, start.robot, motion_of(start.target, start.period))
+            kept = clearances(scenario, plan, start.robot, start.targets, start.period)
             self._ways += [obstacle.motion for one in kept for obstacle in one.obstacles]
             inequalities = [*(one.make(start.robot) for one in plan.inequalities), *kept]
             self.controller = _controller(start.robot, tasks, scenario, inequalities)
@@ -206,10 +207,10 @@ class _ScenarioRunner:
         self.delay = round(scenario.control.delay / self.step)
         self.commands = DelayLine(self.delay)
         self.robot, self.state = scenario.robot, scenario.start
-        self.known = self._chaser_known = self._believed(scenario.robot, ROBOT)
+        self.known = self._believed(scenario.robot, ROBOT)
         self.cycle = 0
-        self.target = self._free(scenario.target)
-        self.held: Grasp | None = None
+        self.free = {name: self._free(name, target.start) for name, target in scenario.targets.items()}
+        self.holds: list[Hold] = []
         self.wheels = np.zeros(3)
         self.shared: dict[str, Reference] = {}
         self.results: list[PhaseResult] = []
@@ -230,8 +231,8 @@ class _ScenarioRunner:
                     break
         except KeyboardInterrupt:  # between segments; within one the trajectory reports it
             self.interrupted = True
-        if self.target is not None:
-            self.certificates += self.target.certificates
+        for target in self.free.values():
+            self.certificates += target.certificates
         certificate = worst([*self.certificates, Certificate(tuple(self.acts))])
         return Run(
             self.scenario,
@@ -246,16 +247,13 @@ class _ScenarioRunner:
     def states(self, cycle: int, q: Floats, v: Floats) -> States:
         """Return the states at a cycle, of which (q, v) is the controlled robot's."""
         state = self.robot.state(q, v)
-        if self.held is not None:
-            return States(*self.held.release(q, v), state)
-        return States(state, None if self.target is None else self.target.state(cycle), state)
+        chaser, held = parts(self.holds, q, v) if self.holds else (state, {})
+        return States(chaser, {name: target.state(cycle) for name, target in self.free.items()} | held, state)
 
-    def _free(self, state: State | None) -> FreeMotion | None:
-        """Return the target as it moves by itself from `state` on; None where there is none."""
-        robot, control = self.scenario.target_robot, self.scenario.control
-        if robot is None or state is None:
-            return None
-        pushes = {one: robot.point(one.point) for one in self.scenario.disturbances_of(TARGET)}
+    def _free(self, name: str, state: State) -> FreeMotion:
+        """Return a target as it moves by itself from `state` on."""
+        robot, control = self.scenario.targets[name].robot, self.scenario.control
+        pushes = {one: robot.point(one.point) for one in self.scenario.disturbances_of(name)}
         disturbances = Disturbances(pushes, control.step)
         return FreeMotion(robot, state, self.cycle, control.period, control.step, control.integrator, disturbances)
 
@@ -263,9 +261,8 @@ class _ScenarioRunner:
         """Return those that act on the robot, and on what it holds."""
         scenario, robot = self.scenario, self.robot
         points = {one: robot.point(one.point) for one in scenario.disturbances_of(ROBOT)}
-        if self.held is not None and scenario.target_robot is not None:
-            for one in scenario.disturbances_of(TARGET):
-                points[one] = robot.point(frame_when_held(one.point, scenario.target_robot, scenario.robot))
+        for hold in self.holds:
+            points |= {one: robot.point(hold.frames[one.point]) for one in scenario.disturbances_of(hold.target)}
         return Disturbances(points, self.step)
 
     # -- one segment -----------------------------------------------------------------------------------------
@@ -321,29 +318,33 @@ class _ScenarioRunner:
         return len(phases) == len(plans) and phases[-1].outcome == "complete"
 
     def _recorded(self, robot: SpaceRobot, trajectory: Trajectory, first: int) -> Segment:
-        target = self.target
-        if target is None:
-            return Segment(robot, trajectory, None, np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), self.held)
-        q, v = target.states(first, self.cycle + 1)
         times = np.arange(first, self.cycle + 1, dtype=np.float64) * self.period
-        return Segment(robot, trajectory, target.robot, times, q, v)
+        targets = tuple(
+            FreeTarget(name, self.scenario.targets[name].robot, times, *target.states(first, self.cycle + 1))
+            for name, target in self.free.items()
+        )
+        return Segment(robot, trajectory, targets, tuple(self.holds))
 
     # -- between segments ------------------------------------------------------------------------------------
 
     def _act(self, plan: PhaseTable) -> bool:
         """Do what ends a phase; return whether the run can go on."""
-        if plan.release and self.held is not None:
-            self.state, target = self.held.release(self.state.q, self.state.v)
-            self._becomes(self.scenario.robot, self._chaser_known)
-            self.held, self.target = None, self._free(target)
+        if plan.release:
+            hold = self.holds.pop()
+            self.state, target = hold.grasp.release(self.state.q, self.state.v)
+            self._becomes(hold.before, hold.known_before)
+            self.free[hold.target] = self._free(hold.target, target)
             for task in (task for phase in self.scenario.phases for task in phase.tasks):
-                if isinstance(task.followed, Follow):
+                goal = task.followed
+                if isinstance(goal, Follow) and self.scenario.target_named(goal.target) == hold.target:
                     self.shared.pop(task.name, None)  # it followed the target as it moved before the grasp
-        elif plan.grasp is not None and self.target is not None:
-            return self._grasp(plan.grasp, self.target)
+        elif plan.grasp is not None:
+            return self._grasp(plan.grasp)
         return True
 
-    def _grasp(self, plan: GraspTable, free: FreeMotion) -> bool:
+    def _grasp(self, plan: GraspTable) -> bool:
+        name = self.scenario.target_named(plan.target)
+        free = self.free[name]
         chaser, target = self.state, free.state(self.cycle)
         held = grasp(chaser, self.robot.point(plan.hand), target, free.robot.point(plan.fixture))
         last = self.results[-1]
@@ -358,20 +359,24 @@ class _ScenarioRunner:
             return False
         self.acts += conserved_in_grasp(chaser, target, held, self.cycle * self.period)
         self.certificates += free.certificates
-        self._becomes(held.robot, self._held_known(plan, chaser, target) or held.robot)
-        self.state, self.held, self.target = held.state, held, None
+        robot = self.scenario.targets[name].robot
+        self.holds.append(Hold(name, held, self.robot, self.known, frames_when_held(robot, self.robot)))
+        self._becomes(held.robot, self._held_known(plan, chaser, self._believed(robot, name), target) or held.robot)
+        self.state = held.state
+        del self.free[name]
         return True
 
     def _believed(self, robot: SpaceRobot, of: str) -> SpaceRobot:
         """Return a robot as the controller knows it."""
         return believed(robot, [one for one in self.scenario.mass_errors if one.of == of])
 
-    def _held_known(self, plan: GraspTable, chaser: State, target: State) -> SpaceRobot | None:
+    def _held_known(
+        self, plan: GraspTable, chaser: State, target_known: SpaceRobot, target: State
+    ) -> SpaceRobot | None:
         """Return the combined robot as the controller knows it; None where it knows it as it is."""
-        robot = self.scenario.target_robot
-        if not self.scenario.mass_errors or robot is None:
+        if not self.scenario.mass_errors:
             return None
-        known = self._chaser_known, self._believed(robot, TARGET)
+        known = self.known, target_known
         states = [robot.state(one.q, one.v) for robot, one in zip(known, (chaser, target), strict=True)]
         return grasp(states[0], known[0].point(plan.hand), states[1], known[1].point(plan.fixture)).robot
 
@@ -428,7 +433,7 @@ class _PhaseSequencer:
         """Return the command of a control cycle."""
         runner, measured = self._runner, self._sensors.measure(q, v)
         if not self.phases or self.phases[-1].outcome == "complete":
-            start = Start(runner.known, *measured, self._cycle, runner.period, runner.target)
+            start = Start(runner.known, *measured, self._cycle, runner.period, runner.free)
             phase = _Phase(self._plans[len(self.phases)], runner.scenario, start, self._robot, runner.shared)
             if phase.controller is not None:
                 phase.controller.wheel_momentum = self._wheels

@@ -33,7 +33,7 @@ class Live:
     """
 
     def __init__(self, scenario: Scenario, host: str = LOOPBACK) -> None:
-        self._scene = run_report.scene_of(scenario)
+        self._scene, self._targets = run_report.scene_of(scenario), tuple(scenario.targets)
         self._frame = MovingFrame(np.zeros(3), scenario.start.base_twist[:3]).inverse
         self._server = Server(self._scene.content, host)
         self._began: float | None = None
@@ -66,7 +66,7 @@ class Live:
         now = states()
         combined = self._seen(time, now.combined)
         robot = combined if now.robot is now.combined else self._seen(time, now.robot)
-        others = [] if now.target is None else [self._seen(time, now.target).q]
+        others = [self._seen(time, now.targets[name]).q for name in self._targets]
         self._scene.display(robot.q, robot.v, others, combined=combined)
 
     def _seen(self, time: float, state: State) -> State:

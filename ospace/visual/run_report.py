@@ -15,7 +15,9 @@ from ospace.files import replacing
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint
 from ospace.model.robot import SpaceRobot
+from ospace.model.state import State
 from ospace.scenario import Run, Scenario, log, series, summary_text
+from ospace.scenario.holds import parts
 from ospace.visual import page, plots
 from ospace.visual.scene import Records, Scene
 
@@ -60,8 +62,8 @@ def render(run: Run) -> str:
 
 
 def scene_of(scenario: Scenario) -> Scene:
-    """Return the scene of a scenario at its start: the robot with the points of its tasks, and the target."""
-    robot, target = scenario.robot, scenario.target_robot
+    """Return the scene of a scenario at its start: the robot with the points of its tasks, and the targets."""
+    robot = scenario.robot
     tasks = [task for phase in scenario.phases for task in phase.tasks]
     points: list[OperationalPoint] = []
     for task in tasks:
@@ -72,9 +74,9 @@ def scene_of(scenario: Scenario) -> Scene:
             ):
                 points.append(point)
     scene = Scene(robot, points or None)
-    if target is not None:
-        scene.add(target)
-    scene.display(scenario.start.q, scenario.start.v, [] if scenario.target is None else [scenario.target.q])
+    for target in scenario.targets.values():
+        scene.add(target.robot)
+    scene.display(scenario.start.q, scenario.start.v, [target.start.q for target in scenario.targets.values()])
     return scene
 
 
@@ -85,7 +87,7 @@ def animate(scene: Scene, run: Run) -> None:
 
 
 def motions_of(run: Run) -> tuple[Records, ...]:
-    """Return the motion of the chaser, and of the target if there is one, each over all segments of a run.
+    """Return the motion of the chaser, and of each target, over all segments of a run.
 
     A target that has one record, of a run that ended within its first control cycle, goes on as it moved then.
 
@@ -94,23 +96,30 @@ def motions_of(run: Run) -> tuple[Records, ...]:
     OspaceError
         Nothing has moved: the run ended before its first step.
     """
-    parts: list[list[tuple[Floats, Floats, Floats]]] = [[], []]
+    scenario = run.scenario
+    chaser: list[tuple[Floats, Floats, Floats]] = []
+    targets: dict[str, list[tuple[Floats, Floats, Floats]]] = {name: [] for name in scenario.targets}
     for segment in run.segments:
         trajectory = segment.trajectory
-        if segment.held is not None:
-            states = [segment.held.release(q, v) for q, v in zip(trajectory.q, trajectory.v, strict=True)]
-            for one, mine in zip(parts, zip(*states, strict=True), strict=True):
-                one.append((trajectory.time, np.array([own.q for own in mine]), np.array([own.v for own in mine])))
-            continue
-        parts[0].append((trajectory.time, trajectory.q, trajectory.v))
-        if segment.target is not None:
-            parts[1].append((segment.target_time, segment.target_q, segment.target_v))
-    motions = [_joined(one) for one in parts if one]
+        if segment.holds:
+            states = [parts(segment.holds, q, v) for q, v in zip(trajectory.q, trajectory.v, strict=True)]
+            chaser.append(_records(trajectory.time, [own for own, _ in states]))
+            for hold in segment.holds:
+                targets[hold.target].append(_records(trajectory.time, [held[hold.target] for _, held in states]))
+        else:
+            chaser.append((trajectory.time, trajectory.q, trajectory.v))
+        for target in segment.targets:
+            targets[target.name].append((target.time, target.q, target.v))
+    motions = [_joined(one) for one in (chaser, *targets.values()) if one]
     if not motions or len(motions[0].time) < 2:
         raise OspaceError("the run ended before its first step: nothing has moved")
-    scenario, time = run.scenario, motions[0].time
-    robots = [scenario.robot] if scenario.target_robot is None else [scenario.robot, scenario.target_robot]
+    time = motions[0].time
+    robots = [scenario.robot, *(target.robot for target in scenario.targets.values())]
     return tuple(_going_on(one, robot, time) for one, robot in zip(motions, robots, strict=True))
+
+
+def _records(time: Floats, states: Sequence[State]) -> tuple[Floats, Floats, Floats]:
+    return time, np.array([state.q for state in states]), np.array([state.v for state in states])
 
 
 def _going_on(motion: Records, robot: SpaceRobot, time: Floats) -> Records:

@@ -36,8 +36,8 @@ def from_frame(T, frame, elapsed):
 def test_a_page_of_a_grasp_moves_as_the_run_did(open_page, tmp_path):
     """Hand, base and target, before the grasp, while the target is held, and after its release."""
     run = missions.flown(tmp_path)
-    assert [segment.held is not None for segment in run.segments] == [False, True, False]
-    robot, target = run.scenario.robot, run.scenario.target.robot
+    assert [bool(segment.holds) for segment in run.segments] == [False, True, False]
+    robot, target = run.scenario.robot, run.scenario.targets["target"].robot
     scene = run_report.scene_of(run.scenario)
     run_report.animate(scene, run)
     page = open_page(scene.html())
@@ -55,11 +55,11 @@ def test_a_page_of_a_grasp_moves_as_the_run_did(open_page, tmp_path):
         segment = next(one for one, end in zip(run.segments, ends, strict=True) if time <= end[1])
         combined, trajectory = segment.robot, segment.trajectory
         q, _ = trajectory.at(combined, time)
-        if segment.held is None:
-            own_q = pin.interpolate(target.model, *around(segment.target_time, segment.target_q, time))
+        if not segment.holds:
+            own_q = pin.interpolate(target.model, *around(segment.targets[0].time, segment.targets[0].q, time))
             wanted_target = frame_pose(target, own_q, target_base)
         else:
-            chaser, held = segment.held.release(q, np.zeros(combined.nv))
+            chaser, held = segment.holds[0].grasp.release(q, np.zeros(combined.nv))
             alone, together = (frame_pose(*one, "end_effector") for one in ((robot, chaser.q), (combined, q)))
             np.testing.assert_allclose(alone, together, rtol=0, atol=1e-12)
             wanted_target = frame_pose(target, held.q, target_base)

@@ -96,7 +96,7 @@ def test_drawn_quantities_are_those_of_the_segment_s_robot(open_page, request, w
 
 def test_the_arrow_of_the_whole_momentum_rests_while_the_target_is_held(open_page, grasped):
     """Nothing acts from outside: neither its length nor its direction changes by a hundredth."""
-    held = next(segment for segment in grasped.segments if segment.held is not None)
+    held = next(segment for segment in grasped.segments if segment.holds)
     _, page = opened(open_page, grasped)
     times = np.linspace(held.trajectory.time[0], held.trajectory.time[-1], 40)
     found = page.along(["/quantities/linear whole", "/quantities/angular whole"], times)[:, :, :3, 2]

@@ -101,7 +101,7 @@ def test_a_controller_resists_a_disturbance_that_it_does_not_know(load):
 
 def test_a_target_is_followed_as_the_disturbance_moves_it(load):
     made = load(drifting(LEAK | {"frequency": "0.5 Hz"}, target=BESIDE))
-    robot, state = made.target_robot, made.target
+    robot, state = made.targets["target"]
     point = robot.point("grapple")
     own = Disturbances({one: robot.point(one.point) for one in made.disturbances}, 1e-3)
     free = FreeMotion(robot, state, 0, 1e-3, 1e-3, "rk4", own)
@@ -132,9 +132,10 @@ def test_a_disturbance_of_the_target_goes_on_when_it_is_held_and_let_go(load):
     plume, leak = np.array([2.0, 0.0, 1.0]), np.array([0.0, 0.5, 0.0])
     for segment, force, time in ((0, plume, 0.2), (1, plume + leak, 0.3), (2, plume, 0.2)):
         np.testing.assert_allclose(gained(run, segment)[:3], time * force, rtol=0, atol=1e-10)
-    mass = run.scenario.target_robot.total_mass
+    mass = run.scenario.targets["target"].robot.total_mass
     for segment in (run.segments[0], run.segments[2]):
-        target, q, v = segment.target, segment.target_q, segment.target_v
+        (free,) = segment.targets
+        target, q, v = free.robot, free.q, free.v
         momenta = [mass * _centre_velocity(target.state(q[k], v[k])) for k in (0, -1)]
         np.testing.assert_allclose(momenta[1] - momenta[0], 0.2 * leak, rtol=0, atol=1e-9)
 
@@ -162,7 +163,7 @@ def test_a_rehearsal_in_coarse_cycles_has_the_same_impulse(load):
     ("change", "key", "what"),
     [
         ({"point": "bas"}, "disturbance[0].point", "did you mean 'base'"),
-        ({"of": "targt"}, "disturbance[0].of", "did you mean 'target'"),
+        ({"of": "targt"}, "disturbance[0].of", "'targt' is unknown"),
         ({"of": "target"}, "disturbance[0].of", "there is no target"),
         ({"force": [0, 0, 0]}, "disturbance[0]", "pushes nothing"),
         ({"force": ["1 N m", 0, 0]}, "disturbance[0].force[0]", "a unit of torque"),

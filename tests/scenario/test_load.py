@@ -92,7 +92,7 @@ def test_a_scenario_is_what_its_file_says_in_si_units(load):
     assert positions["joint_1"] == pytest.approx(math.radians(30.0))
     assert positions["joint_2"] == 0.25
     assert made.start.v[6 + robot.joint_names.index("joint_3")] == pytest.approx(math.pi / 30.0)
-    np.testing.assert_allclose(made.target.base_twist[3:], [math.radians(1), 0, 0])
+    np.testing.assert_allclose(made.targets["target"].start.base_twist[3:], [math.radians(1), 0, 0])
     assert (made.control.period, made.control.step) == (0.002, 0.001)
     limits = made.limits.of(robot, robot)
     assert limits.torque[0] == 45.0
@@ -254,10 +254,10 @@ mass_centre = ["5 cm", 0, 0]
 frames = { grapple = { position = ["-1 m", 0, 0], quaternion = [0, 0, 1, 0] } }
 """
     made = load(GOOD.replace('model = "target"\n', "").replace("[limits]", body + "\n[limits]"))
-    body_inertia = made.target.robot.model.inertias[1]
+    body_inertia = made.targets["target"].robot.model.inertias[1]
     assert body_inertia.mass == 1200.0
     np.testing.assert_allclose(body_inertia.inertia, [[300, 10, 20], [10, 400, 30], [20, 30, 500]])
-    fixture = made.target.robot.point("grapple")
+    fixture = made.targets["target"].robot.point("grapple")
     np.testing.assert_allclose(fixture.placement.translation, [-1, 0, 0])
     np.testing.assert_allclose(fixture.placement.rotation, np.diag([-1, -1, 1]), atol=1e-15)
 

@@ -35,7 +35,7 @@ def test_a_log_tells_what_the_run_tells(run, tmp_path):
     assert set(read.versions) == {"ospace", "pin", "numpy", "python"}
     assert [segment.joints for segment in read.segments] == [("joint_1", "joint_2")] * 3
     assert [list(segment.torque_limits) for segment in read.segments] == [[20.0, 20.0]] * 3
-    assert [segment.target is None for segment in read.segments] == [False, True, False]
+    assert [segment.targets == () for segment in read.segments] == [False, True, False]
     assert read.phases[0].grasp.energy_lost == run.phases[0].grasp.energy_lost
     assert read.phases[2].errors["tip"].units == ("m", "rad")
     for stored, phase in zip(read.phases, run.phases, strict=True):
@@ -113,8 +113,8 @@ def test_a_file_that_is_no_log_is_refused(run, tmp_path, change):
         ("segments/0/trajectory/base_wrench", lambda a: a[:, :5]),
         ("segments/0/trajectory/frame_velocity", lambda a: a[:2]),
         ("segments/0/torque_limits", lambda a: a[:1]),
-        ("segments/0/target/q", lambda a: a[1:]),
-        ("segments/0/target/time", lambda a: a[::-1]),
+        ("segments/0/targets/0/q", lambda a: a[1:]),
+        ("segments/0/targets/0/time", lambda a: a[::-1]),
         ("phases/0/time", lambda a: a[::-1]),
         ("phases/0/cycle_time", lambda a: a[1:]),
         ("phases/0/errors/tip/norms", lambda a: a[:, :1]),

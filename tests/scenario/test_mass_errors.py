@@ -81,7 +81,7 @@ def test_a_target_is_held_with_the_masses_that_the_controller_believes(load, mon
     assert run.certificate.passed
     assert [phase.outcome for phase in run.phases] == ["complete"] * 3
     (first, true_first), (held, true_held), (last, _) = seen
-    chaser, target = run.scenario.robot, run.scenario.target_robot
+    chaser, target = run.scenario.robot, run.scenario.targets["target"].robot
     less = 0.1 * chaser.model.inertias[chaser.frame("link_1").parentJoint].mass
     assert first is last
     assert true_first.total_mass - first.total_mass == pytest.approx(less)

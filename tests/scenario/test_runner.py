@@ -71,8 +71,9 @@ def test_the_hand_meets_the_fixture(grasped):
     """By the last states of both before the grasp."""
     segment = grasped.segments[0]
     hand = segment.robot.state(segment.trajectory.q[-1]).placement(segment.robot.point("right_hand"))
-    fixture = segment.target.state(segment.target_q[-1]).placement(segment.target.point("grapple"))
-    assert segment.target_time[-1] == pytest.approx(segment.trajectory.time[-1])
+    (free,) = segment.targets
+    fixture = free.robot.state(free.q[-1]).placement(free.robot.point("grapple"))
+    assert free.time[-1] == pytest.approx(segment.trajectory.time[-1])
     np.testing.assert_allclose(hand.translation, fixture.translation, rtol=0, atol=1e-5)
     np.testing.assert_allclose(hand.rotation, fixture.rotation, rtol=0, atol=1e-5)
 
@@ -191,14 +192,14 @@ def test_a_release_gives_both_back(load):
     assert run.passed, run.certificate
     first, held, last = run.segments
     assert (first.robot, held.robot is first.robot, last.robot) == (run.scenario.robot, False, run.scenario.robot)
-    assert held.target is None
-    assert last.target_time[0] == pytest.approx(run.phases[2].end)
-    point = first.robot.point("end_effector"), first.target.point("grapple")
+    assert held.targets == ()
+    assert last.targets[0].time[0] == pytest.approx(run.phases[2].end)
+    point = first.robot.point("end_effector"), first.targets[0].robot.point("grapple")
 
     def apart(segment, k):
         poses = (
             segment.robot.state(segment.trajectory.q[k]).placement(point[0]),
-            segment.target.state(segment.target_q[k]).placement(point[1]),
+            segment.targets[0].robot.state(segment.targets[0].q[k]).placement(point[1]),
         )
         return poses[0].actInv(poses[1])
 
@@ -224,7 +225,8 @@ def test_a_task_of_all_phases_follows_the_target_anew_after_its_release(load):
     last = run.segments[-1]
     q, v = last.trajectory.q[0], last.trajectory.v[0]
     tip, axis = last.robot.state(q, v).placement(last.robot.point("end_effector")), np.array([1.0, 0.0, 0.0])
-    line = last.target.state(last.target_q[0]).placement(last.target.point("grapple")).translation - tip.translation
+    (free,) = last.targets
+    line = free.robot.state(free.q[0]).placement(free.robot.point("grapple")).translation - tip.translation
     angle = math.acos(tip.rotation @ axis @ line / np.linalg.norm(line))
     assert run.phases[2].errors["look"].norms[0, 1] == pytest.approx(angle, abs=1e-9)
 
@@ -341,5 +343,5 @@ def test_a_log_holds_the_run(tmp_path, grasped):
         assert stored.trajectory.certificate().passed
         assert stored.joints == tuple(segment.robot.joint_names)
         np.testing.assert_array_equal(stored.torque_limits, segment.robot.model.effortLimit[6:])
-    np.testing.assert_array_equal(read.segments[0].target.q, grasped.segments[0].target_q)
-    assert read.segments[1].target is None
+    np.testing.assert_array_equal(read.segments[0].targets[0].q, grasped.segments[0].targets[0].q)
+    assert read.segments[1].targets == ()

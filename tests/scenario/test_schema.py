@@ -99,7 +99,7 @@ def test_the_schema_takes_a_mission_with_infinite_bounds():
         ('goal = { shift = ["-1 cm", "1 cm", 0], ', "goal = { hold = true, shift = [0, 0, 0], "),
         ("axes = [true, true, false, false, false, false]", "axes = [true, true]"),
         ("axes = [true, true, false, false, false, false]", 'axes = "lineal"'),
-        ("release = true", 'release = "yes"'),
+        ("release = true", "release = 1"),
     ],
 )
 def test_the_schema_refuses_what_load_refuses(load, was, now):

@@ -28,10 +28,10 @@ def ended(folder, steps, text=missions.MISSION):
 def test_a_target_with_one_record_goes_on_as_it_moved(tmp_path):
     """Two steps are a control cycle; the target is recorded once a cycle."""
     run = ended(tmp_path, 1)
-    assert [(len(one.trajectory), len(one.target_time)) for one in run.segments] == [(2, 1)]
+    assert [(len(one.trajectory), len(one.targets[0].time)) for one in run.segments] == [(2, 1)]
     chaser, target = run_report.motions_of(run)
     np.testing.assert_array_equal(target.time, chaser.time)
-    own = run.scenario.target
+    own = run.scenario.targets["target"].start
     np.testing.assert_array_equal(target.q[0], own.q)
     assert own.v[3:].any()
     later = pin.integrate(own.robot.model, own.q, 1e-3 * own.v)
@@ -62,7 +62,7 @@ def test_a_report_that_fails_leaves_what_was_there(tmp_path, monkeypatch):
 
 def test_what_a_log_holds_of_a_segment_is_that_of_its_robot(grasped):
     """After the grasp curves are of the combined robot: momentum, centre of mass, energy, and σ_min of each task."""
-    held = next(k for k, segment in enumerate(grasped.segments) if segment.held is not None)
+    held = next(k for k, segment in enumerate(grasped.segments) if segment.holds)
     segment = grasped.segments[held]
     robot, run = segment.robot, segment.trajectory
     model, data = robot.model, robot.model.createData()

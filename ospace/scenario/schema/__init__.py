@@ -12,7 +12,7 @@ from ospace.scenario.schema.noise_table import NoiseTable
 from ospace.scenario.schema.phase_tables import GraspTable, PhaseTable
 from ospace.scenario.schema.plugin_tables import InequalityTable, PluginTable
 from ospace.scenario.schema.robot_tables import BodyTable, RobotTable, TargetTable
-from ospace.scenario.schema.scenario import Scenario, ScenarioTable, json_schema
+from ospace.scenario.schema.scenario import Scenario, ScenarioTable, Target, json_schema
 from ospace.scenario.schema.task_tables import TASKS, TaskTable
 
 __all__ = [
@@ -36,6 +36,7 @@ __all__ = [
     "Scenario",
     "ScenarioTable",
     "Shift",
+    "Target",
     "TargetTable",
     "TaskTable",
     "ToMomentum",

@@ -11,17 +11,18 @@ from pydantic import Field
 
 from ospace.kernels.tree import Floats
 from ospace.scenario.schema.keys import unbounded_field, vector_field
-from ospace.scenario.table import OneOf, Problem, Table, Text
+from ospace.scenario.table import Problem, Table, Text
 from ospace.scenario.units import Quantity, Time, Vector
 
 ROBOT, TARGET = "robot", "target"
+"""Names of the chaser, and of a target that has no other."""
 
 
 class DisturbanceTable(Table):
-    """A wrench from outside on a frame of the robot or of the target; inertial axes."""
+    """A wrench from outside on a frame of the robot or of a target; inertial axes."""
 
     name: Text = Field(description="A name of its own")
-    of: Annotated[str, OneOf((ROBOT, TARGET))] = Field(ROBOT, description="Whose frame it is")
+    of: Text = Field(ROBOT, description="Whose frame it is: robot, target, or the name of a target")
     point: Text = Field(description="The frame at whose origin it acts")
     force: Annotated[Floats, Vector("force")] = vector_field("Force, inertial axes")
     torque: Annotated[Floats, Vector("torque")] = vector_field("Torque, inertial axes")

@@ -78,6 +78,7 @@ class Follow(Table):
     """A frame of the target, with an offset as seen from it."""
 
     follow: Text = Field(description="A frame of the target")
+    target: Text | None = Field(None, description="Name of the target; needed where there are several")
     offset: PoseTable = default_table(PoseTable, "Pose as seen from that frame")
     duration: Time = Field(0.0, description="Of the motion")
 

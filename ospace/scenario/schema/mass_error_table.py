@@ -8,9 +8,9 @@ from typing import Annotated
 from pydantic import Field
 
 from ospace.kernels.tree import Floats
-from ospace.scenario.schema.disturbance_table import ROBOT, TARGET
+from ospace.scenario.schema.disturbance_table import ROBOT
 from ospace.scenario.schema.keys import vector_field
-from ospace.scenario.table import OneOf, Problem, Table, Text
+from ospace.scenario.table import Problem, Table, Text
 from ospace.scenario.units import Quantity, Vector
 
 _Relative = Annotated[float, Quantity("number", above=-1.0, most=100.0)]
@@ -19,7 +19,7 @@ _Relative = Annotated[float, Quantity("number", above=-1.0, most=100.0)]
 class MassErrorTable(Table):
     """An error of the model that the controller has: by how much masses are more there than they are."""
 
-    of: Annotated[str, OneOf((ROBOT, TARGET))] = Field(ROBOT, description="Whose links are meant")
+    of: Text = Field(ROBOT, description="Whose links are meant: robot, target, or the name of a target")
     link: Text | None = Field(None, description="A link, with all that is fixed to it; all links if it is left out")
     mass: _Relative = Field(0.0, description="Of the mass, over the true one: 0.1 is 10 % more")
     inertia: _Relative | None = Field(

@@ -8,9 +8,10 @@ from typing import Annotated, Protocol
 
 from pydantic import Field, PrivateAttr
 
+from ospace.scenario.schema.keys import is_a
 from ospace.scenario.schema.plugin_tables import AnyInequality, InequalityTable
 from ospace.scenario.schema.task_tables import AnyTask, TaskTable, UnknownTask
-from ospace.scenario.table import Array, Flag, Problem, Table, Text
+from ospace.scenario.table import Array, Either, Flag, Problem, Table, Text
 from ospace.scenario.units import Quantity, Time
 
 
@@ -19,6 +20,7 @@ class GraspTable(Table):
 
     hand: Text = Field(description="A frame of the chaser")
     fixture: Text = Field(description="A frame of the target")
+    target: Text | None = Field(None, description="Name of the target; needed where there are several")
     position: Annotated[float, Quantity("length", above=0.0, infinite=True)] = Field(
         0.01, description="Largest distance of the two"
     )
@@ -51,7 +53,9 @@ class PhaseTable(Table):
     )
     inequality: Annotated[list[AnyInequality], Array] = Field([], description="Inequalities of this phase")
     grasp: GraspTable | None = Field(None, description="At the end, the target is grasped")
-    release: Flag = Field(False, description="At the end, the target is let go")
+    release: Annotated[bool | str, Either(is_a(str), {"is": Text, "else": Flag})] = Field(
+        False, description="At the end, the target that was grasped last is let go; true, or its name"
+    )
     _shared: list[TaskTable] = PrivateAttr(default_factory=list)
     _shared_inequalities: list[InequalityTable] = PrivateAttr(default_factory=list)
 
@@ -76,7 +80,7 @@ class PhaseTable(Table):
     @property
     def changes_robot(self) -> bool:
         """True where the phases after it have another robot: the target is grasped or let go."""
-        return self.release or self.grasp is not None
+        return bool(self.release) or self.grasp is not None
 
     @property
     def earliest(self) -> float:

@@ -107,9 +107,10 @@ class BodyTable(Table):
 
 
 class TargetTable(PoseTable):
-    """Target of the chaser."""
+    """Target of the chaser, or another body that moves by itself."""
 
     model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": ["model"]}, {"required": ["body"]}]})
+    name: Text | None = Field(None, description="A name of its own; needed where there are several targets")
     model: Text | None = Field(None, description="A URDF, relative to the scenario, or a model that comes with ospace")
     free_mimic: Flag = Field(False, description="Joints that mimic others are independent of these")
     body: BodyTable | None = Field(None, description="The numbers of a rigid body, instead of model")
