@@ -136,8 +136,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
             text += f"wrote {given.csv}\n"
     if given.html or given.screenshot:
         return 0, text + _write(given, scene.html, lambda: _animated(given, scene, motion))
-    print(text, end="", flush=True)
-    return 0, _serve(given, scene.content, _player(scene, motion))
+    return 0, _serve(given, scene.content, _player(scene, motion), text)
 
 
 def _unsound(
@@ -260,12 +259,17 @@ def _write(given: argparse.Namespace, still: Callable[[], str], page: Callable[[
     return "".join(written)
 
 
-def _serve(given: argparse.Namespace, content: Callable[[], Content], play: Callable[[], None] | None = None) -> str:
-    """Serve until Ctrl-C, which is how it ends well; `play` shows a motion once, whenever somebody looks."""
+def _serve(
+    given: argparse.Namespace, content: Callable[[], Content], play: Callable[[], None] | None = None, text: str = ""
+) -> str:
+    """Serve until Ctrl-C, which is how it ends well; `play` shows a motion once, whenever somebody looks.
+
+    `text` is printed below the address.
+    """
     from ospace.visual.server import LOOPBACK, Server
 
     with Server(content, given.host or LOOPBACK, given.port) as server:
-        print(f"{given.urdf} at {server.address} (Ctrl-C ends)", flush=True)
+        print(f"{given.urdf} at {server.address} (Ctrl-C ends)\n{text}", end="", flush=True)
         try:
             while True:
                 if play is not None and server.viewers:

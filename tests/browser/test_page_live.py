@@ -158,6 +158,8 @@ def test_a_view_is_served_until_ctrl_c(open_page):
     with command("view", "planar_2r", "--sweep") as (process, address):
         port = int(address.rstrip("/").rsplit(":", 1)[1])
         assert address == f"http://127.0.0.1:{port}/"
+        table = "".join(process.stdout.readline() for _ in range(4))
+        assert re.search(r"^joint_1 .* 80\.9 deg +209 mm\njoint_2 ", table, re.MULTILINE)
         for other in addresses():
             with pytest.raises(OSError, match=r"refused|timed out|unreachable"):
                 socket.create_connection((other, port), timeout=2.0)
