@@ -65,7 +65,10 @@ def test_tables_are_those_of_the_log(report, reported):
             end = [", ".join(f"{n} {status}" for status, n in phase.statuses.items())] if k == 0 else []
             assert count == len(phase.time)
             expected.append([*begin, task, *norms, *end])
-    assert len(rows) == sum(len(phase.errors) for phase in kept.phases) > 4
+        assert phase.errors
+        moved = (phase.base_motion.max(axis=0), phase.base_motion[-1])
+        expected.append(["base moved", *(f"{shown(row[0], 'm')}, {shown(row[1], 'rad')}" for row in moved)])
+    assert len(rows) == sum(len(phase.errors) + 1 for phase in kept.phases) > 4
     assert rows == expected
     rows = report.locator("#certificate-table tbody tr").evaluate_all(TEXTS)
     assert [row[0] for row in rows] == [one.name for one in kept.certificate.quantities]

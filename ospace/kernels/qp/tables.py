@@ -45,7 +45,7 @@ class Resistance(NamedTuple):
 
 
 class Held(NamedTuple):
-    """What the last cycle commanded, and what comes of holding it over the period."""
+    """Command of the last cycle, and what comes of holding it over the period."""
 
     torque: Floats
     """(n,)."""
