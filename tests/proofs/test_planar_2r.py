@@ -105,7 +105,7 @@ def test_barycentric_lengths_are_where_the_tip_stands_about_the_mass_centre(arm)
 
 
 def test_radii_of_the_path_dependent_workspace(arm, tip):
-    """Extremes of the tip's distance from the mass centre over all singular configurations, by ours alone."""
+    """Extremes of the tip's distance from the mass centre over all singular configurations."""
 
     def radius(q_1, q_2):
         Q = arm.configurations({"joint_1": [q_1], "joint_2": [q_2]})
@@ -121,9 +121,16 @@ def test_radii_of_the_path_dependent_workspace(arm, tip):
     def at(q_1, near):
         return radius(q_1, branch(q_1, near))
 
+    def exact(q_1):
+        """The radius where the closed form of det J* vanishes, joint 2 folded."""
+        q_2 = brentq(lambda q_2: determinant(q_1, q_2), -np.pi - 0.6, -np.pi + 0.6, xtol=1e-14)
+        return abs(A + B * np.exp(1j * q_1) + C * np.exp(1j * (q_1 + q_2)))
+
     ends = [at(0.0, np.pi), at(np.pi, 0.0), at(0.0, 0.0)]  # folded at the last joint, at the first, stretched
     inner = minimize_scalar(lambda q_1: -at(q_1, -np.pi), bounds=(0.5, 2.5), method="bounded", options={"xatol": 1e-7})
     row("radii of singular configurations (PDW)").equals(ends[0], -inner.fun, ends[1], ends[2])
+    folded = minimize_scalar(lambda q_1: -exact(q_1), bounds=(0.5, 2.5), method="bounded", options={"xatol": 1e-7})
+    assert inner.fun == pytest.approx(folded.fun, abs=1e-12)
     np.testing.assert_allclose(ends, [A + B - C, -A + B + C, A + B + C], rtol=0, atol=1e-14)
 
 
