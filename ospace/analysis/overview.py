@@ -20,7 +20,7 @@ POSTURES, _STARTS, _MOST = 2000, 60, 4
 
 @dataclass(frozen=True)
 class Overview:
-    """What a hand does, or why that is not known.
+    """Map of a hand, or why there is none.
 
     Attributes
     ----------
