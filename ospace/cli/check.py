@@ -15,6 +15,9 @@ from ospace.cli.console import buffered_console, buffered_text, plain, show_find
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from ospace.analysis.overview import Overview
+    from ospace.model.points import OperationalPoint
+    from ospace.model.robot import SpaceRobot
     from ospace.urdf.description import Description
     from ospace.urdf.source import Limits
     from ospace.validation.agreement import Agreement
@@ -133,7 +136,7 @@ def _check(given: argparse.Namespace) -> tuple[int, str]:
     file, folders = find(given.urdf), package_dirs(given)
     output.distinct([file], [given.html])
     output.writable(given.html)
-    result, description = _report(given, file, folders)
+    result, description, robot, points = _report(given, file, folders)
     text = json.dumps(result.as_dict(), indent=2, allow_nan=False) + "\n" if given.json else _text(result, given.urdf)
     status = EXIT_FINDINGS if result.errors else 0
     if not given.html:
@@ -142,7 +145,10 @@ def _check(given: argparse.Namespace) -> tuple[int, str]:
     def report() -> None:
         from ospace.visual import check_report
 
-        check_report.save(result, description, given.html, name=given.urdf, urdf=file, package_dirs=folders)
+        hands = [] if robot is None or result.errors else _hands(given, robot, points)
+        check_report.save(
+            result, description, given.html, name=given.urdf, urdf=file, package_dirs=folders, hands=hands
+        )
 
     given.refuse_if_interrupted()  # which an import may have swallowed: nothing is printed then
     done = [output.printed(text), output.written(given.html, "report", report)]
@@ -151,8 +157,19 @@ def _check(given: argparse.Namespace) -> tuple[int, str]:
     return status, "" if given.json else f"wrote {given.html}\n"
 
 
-def _report(given: argparse.Namespace, file: Path, folders: Sequence[Path]) -> tuple[Report, Description]:
-    """Check; return the report and what the file says, which no robot is made of where it is unsound."""
+def _hands(given: argparse.Namespace, robot: SpaceRobot, points: Sequence[OperationalPoint]) -> list[Overview]:
+    """Map what hands do while the base floats, for the report."""
+    from ospace.analysis.overview import hands_of, overviews
+    from ospace.cli import progress
+
+    with progress.bar(given, "mapping hands", len(hands_of(points))) as advance:
+        return overviews(robot, points, seed=given.seed, progress=advance)
+
+
+def _report(
+    given: argparse.Namespace, file: Path, folders: Sequence[Path]
+) -> tuple[Report, Description, SpaceRobot | None, list[OperationalPoint]]:
+    """Check; return the report, what the file says, and the robot with its points, if one is made of it."""
     from ospace.cli import progress
     from ospace.dynamics.workspace import compile_kernels
     from ospace.model.robot import SpaceRobot
@@ -172,7 +189,7 @@ def _report(given: argparse.Namespace, file: Path, folders: Sequence[Path]) -> t
     description, findings = reading.description, reading.findings
     if reading.model is None:
         on_meshes = of_meshes(description, file, folders, findings)
-        return report.Report(None, by_severity([*findings, *on_meshes]), seed=given.seed), description
+        return report.Report(None, by_severity([*findings, *on_meshes]), seed=given.seed), description, None, []
     robot = SpaceRobot(reading.model, findings, source=file, description=description, package_dirs=folders)
     points = [robot.point(name) for name in given.point or robot.leaf_links[:_MOST_POINTS]]
     with progress.bar(given, "comparing states", given.samples) as advance:
@@ -180,7 +197,7 @@ def _report(given: argparse.Namespace, file: Path, folders: Sequence[Path]) -> t
         result = report.check(
             robot, points, samples=given.samples, seed=given.seed, batch=given.batch, progress=advance
         )
-    return result, description
+    return result, description, robot, points
 
 
 def _frames(given: argparse.Namespace) -> tuple[int, str]:
