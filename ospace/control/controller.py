@@ -23,7 +23,7 @@ from ospace.control.command import Command, CommandLayout, Status, Timing
 from ospace.control.completion import CompletionWatch
 from ospace.control.custom_rows import CustomRows, Written
 from ospace.control.inequalities import Inequality, RowsInequality
-from ospace.control.kernel_layout import base_actuation, empty_program, limit_tables, nothing_held, task_tables
+from ospace.control.kernel_layout import base_actuation, empty_program, limit_tables, task_tables
 from ospace.control.limits import JointLimits
 from ospace.control.priorities import Level, Solution, kernel_calls, relaxed, solve_by_levels
 from ospace.control.references import Constant, Function, Reference
@@ -185,7 +185,7 @@ class Controller:
         friction = JointFriction.of(robot)
         self._resistance = kernel.Resistance(friction.damping, friction.coulomb, np.zeros(n))
         self._undriven = np.flatnonzero(self.limits.torque == 0.0)
-        self._beyond, self._held = np.zeros(n), nothing_held(n, len(component))
+        self._beyond = np.zeros(n)
         wheel_rows = (component >= 3) & self.base.wheels
         self._wheels = Wheels(wheel_rows, component - 3, self.base.wheel_momentum, largest, scale)
         self.wheel_momentum = checked_vector(wheel_momentum, 3, "wheel_momentum", robot.name)
@@ -288,7 +288,6 @@ class Controller:
         self._completion.observe(time, self._rows.error, self._references)
         if self._clearance is not None:
             farthest = max(farthest, self._clearance.below)
-        self._held.torque[:], self._held.z[:] = self._answer.torque, outcome.z
         outside = self._outside() if max(farthest, -self._custom.smallest) > _OUTSIDE else {}
         return self._command(outcome, outside, (start, evaluated, assembled, solved))
 
@@ -408,7 +407,7 @@ class Controller:
     def _assembly(self, time: float) -> tuple[Any, ...]:
         """Return what `assemble` takes."""
         own = self._base, self._tasks, self._limits, self._resistance, self._weights, self._rows, self._program
-        return time, self._run.memory, *own, self._held, self._beyond
+        return time, self._run.memory, *own, self._beyond
 
     def _recovery(self, z: Floats, program: kernel.Program) -> tuple[Any, ...]:
         """Return what `recover_solution` takes."""

@@ -119,11 +119,6 @@ def limit_tables(
     )
 
 
-def nothing_held(n: int, k: int) -> qp.Held:
-    """Return tables of what n joints and k base components were commanded, before the first cycle."""
-    return qp.Held(np.zeros(n), np.zeros(n + k), np.full(1, np.nan), np.zeros(n), np.zeros((n, n)))
-
-
 def empty_program(n: int, k: int, rows: int, g: int, allowed: Floats) -> tuple[TaskRows, qp.Program, qp.Answer]:
     """Return tables: `rows` of tasks, the program of n joints, k base components and g inequalities, the answer.
 

@@ -8,9 +8,6 @@ zero in a period,
     φ̇_max = min(v, ceiling(φ_max − φ − h φ̇/2)),   φ̇_min = −min(v, ceiling(φ + h φ̇/2 − φ_min))
     (φ̇_min − φ̇)/r ≤ φ̈ ≤ (φ̇_max − φ̇)/r,   r = max(h, T/4)
 
-A torque that is held over a period gives in the mean of it δ more than φ̈ (`held_torque`). A joint that is pushed
-against a velocity limit would come to rest at a rate of v + r δ; so bounds that come of v are lower by δ, |δ| ≤ a/2.
-
 ceiling(d) is the speed from which a stop is possible after the way of one horizon: T ceiling + ceiling²/(2 a) = d.
 Next to a limit, where ceiling(d) = d/T, a joint that is pushed against it comes to rest as the critically damped
 T²/4 φ̈ + T φ̇ + (φ − φ_max) = 0 does, which stands delays of T/8 and some noise. With T = h it rests by deadbeat, in one
@@ -44,13 +41,8 @@ def ceiling(d: float, a: float, h: float) -> float:
 
 
 @inlined
-def clamp_joints(
-    joints: Joints, w: Work, limits: ProgramLimits, program: Program, delta: Floats, outside: Floats
-) -> float:
-    """Bounds on φ̈; write by how much each joint is outside its position limits (n,), and return the largest.
-
-    `delta` (n,) is δ.
-    """
+def clamp_joints(joints: Joints, w: Work, limits: ProgramLimits, program: Program, outside: Floats) -> float:
+    """Bounds on φ̈; write by how much each joint is outside its position limits (n,), and return the largest."""
     h, farthest = limits.reaction, 0.0
     T = max(h, limits.horizon)
     r = max(h, 0.25 * T)
@@ -71,10 +63,7 @@ def clamp_joints(
             angle = w.q[joints.first[i], 0] + 0.5 * h * rate
             fast = min(v, max(-v, ceiling(limits.position[1, j] - angle, a, T)))
             slow = -min(v, max(-v, ceiling(angle - limits.position[0, j], a, T)))
-        drift = min(max(delta[j], -0.5 * a), 0.5 * a)
-        low = min((slow - rate) / r - (drift if slow == -v else 0.0), a)
-        high = max((fast - rate) / r - (drift if fast == v else 0.0), -a)
-        low = min(low, high)
+        low, high = min((slow - rate) / r, a), max((fast - rate) / r, -a)
         program.lower[j], program.upper[j] = min(max(low, -most), most), min(max(high, -most), most)
         program.cause[0, j] = ACCELERATION if low <= -most else VELOCITY if slow == -v else POSITION
         program.cause[1, j] = ACCELERATION if high >= most else VELOCITY if fast == v else POSITION

@@ -35,9 +35,8 @@ import math
 from ospace.kernels.jit.compile import entry, inlined
 from ospace.kernels.jit.load_store import load6, store6, unowned
 from ospace.kernels.jit.simd import zeros
-from ospace.kernels.qp.held_torque import drift_of_held_torque
 from ospace.kernels.qp.joint_limits import clamp_joints, friction_at, limit_torque
-from ospace.kernels.qp.tables import Answer, Held, Program, ProgramLimits, Resistance, Weights
+from ospace.kernels.qp.tables import Answer, Program, ProgramLimits, Resistance, Weights
 from ospace.kernels.spatial import add6, scale6
 from ospace.kernels.tasks.all_tasks import assemble_rows
 from ospace.kernels.tasks.rows import LEAST_STIFFNESS
@@ -148,7 +147,6 @@ def assemble(
     weights: Weights,
     rows: TaskRows,
     program: Program,
-    held: Held,
     outside: Floats,
 ) -> float:
     """Fill rows and program for the state that was evaluated last in `memory`.
@@ -158,9 +156,8 @@ def assemble(
     here = unowned(memory)
     robot, w = open_robot(here), open_work(here, zeros(1))
     assemble_rows(w, robot, base, tasks, rows, time)
+    farthest = clamp_joints(robot.joints, w, limits, program, outside)
     limit_torque(w, base, limits, resistance, program)
-    drift_of_held_torque(w, limits, resistance, program, held, time)
-    farthest = clamp_joints(robot.joints, w, limits, program, held.drift, outside)
     assemble_objective(w, tasks, rows, weights, program, limits.velocity.size)
     return farthest
 

@@ -44,21 +44,6 @@ class Resistance(NamedTuple):
     """(n,) work: c_m* − τ_f at φ̇."""
 
 
-class Held(NamedTuple):
-    """Command of the last cycle, and what comes of holding it over the period."""
-
-    torque: Floats
-    """(n,)."""
-    z: Floats
-    """(n + k,)."""
-    time: Floats
-    """(1,) s; NaN before the first cycle."""
-    drift: Floats
-    """(n,) work: δ, by how much φ̈ is more in the mean of a period than at its start."""
-    factor: Floats
-    """(n, n) work."""
-
-
 class Program(NamedTuple):
     """The quadratic program."""
 

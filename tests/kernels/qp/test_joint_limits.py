@@ -29,7 +29,6 @@ def clamp_and_measure(
     kind=REVOLUTE,
     braking=0.8,
     horizon=PERIOD,
-    drift=0.0,
 ):
     """Likewise; and by how much the joint is outside its position limits, by itself and as the largest of all."""
     joints = SimpleNamespace(kind=np.array([0, kind]), first=np.array([0, 7]), link_of=np.array([1]))
@@ -43,7 +42,7 @@ def clamp_and_measure(
     )  # fmt: skip
     program = SimpleNamespace(lower=np.zeros(1), upper=np.zeros(1), cause=np.zeros((2, 1), dtype=np.int64))
     outside = np.full(1, np.nan)
-    farthest = clamp_joints(joints, w, limits, program, np.array([drift]), outside)
+    farthest = clamp_joints(joints, w, limits, program, outside)
     return program.lower[0], program.upper[0], program.cause[0, 0], program.cause[1, 0], outside[0], farthest
 
 
@@ -199,7 +198,7 @@ def test_each_joint_is_clamped_by_its_own_numbers():
     )
     program = SimpleNamespace(lower=np.zeros(3), upper=np.zeros(3), cause=np.zeros((2, 3), dtype=np.int64))
     outside = np.full(3, np.nan)
-    farthest = clamp_joints(joints, w, limits, program, np.zeros(3), outside)
+    farthest = clamp_joints(joints, w, limits, program, outside)
     alone = [
         clamp_and_measure(-0.987, -0.195),
         clamp_and_measure(0.0, 0.998, velocity=1.0, acceleration=3.0, torque=(-5.0, 5.0), inertia=4.0, kind=CONTINUOUS),
