@@ -94,6 +94,7 @@ def _port(text: str) -> int:
 def run(given: argparse.Namespace) -> tuple[int, str]:
     """Show; return the exit status and the text to print."""
     from ospace.cli.main import find, package_dirs
+    from ospace.exceptions import printable
     from ospace.extras import require_scene
     from ospace.model.joint_positions import excess_text
     from ospace.model.robot import SpaceRobot
@@ -133,7 +134,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
         text = _reactions(robot, motion)
         if given.csv:
             _write_motion(given.csv, robot, motion)
-            text += f"wrote {given.csv}\n"
+            text += f"wrote {printable(str(given.csv))}\n"
     if given.html or given.screenshot:
         return 0, text + _write(given, scene.html, lambda: _animated(given, scene, motion))
     return 0, _serve(given, scene.content, _player(scene, motion), text)
