@@ -9,6 +9,8 @@ from typing import Any
 from ospace.cli.columns import Column
 from ospace.cli.console import buffered_console, buffered_text, plain, show_table
 
+PAGE = "command_line"
+EXAMPLES = ("ospace list", "ospace list scenarios", "ospace list findings --json")
 _KINDS = ("robots", "scenarios", "findings")
 
 

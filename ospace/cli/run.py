@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from ospace.cli import output
 from ospace.cli.columns import Column, fit
 from ospace.cli.console import buffered_console, buffered_text, plain, show_table, show_text
+from ospace.cli.streams import title
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -22,6 +23,14 @@ if TYPE_CHECKING:
     from ospace.scenario.result import PhaseResult
     from ospace.visual.live import Live
 
+PAGE = "scenario"
+EXAMPLES = (
+    "ospace run grasp",
+    "ospace run mission.toml --check",
+    "ospace run mission.toml --log mission.npz --html report.html",
+    "ospace run grasp --log - --headless | ospace plot - --out grasp.svg",
+    "ospace run mission.toml --plugin my_tasks",
+)
 _COLOURS = {"complete": "green", "interrupted": "yellow"}
 _TICK = 0.05
 """Simulated time from one move of the progress bar to the next, s."""
@@ -69,6 +78,8 @@ class _Schema(argparse.Action):
 
 
 def _log(text: str) -> Path:
+    if text == "-":
+        return output.file(text, ".npz")
     if Path(text).suffix != ".npz":
         raise argparse.ArgumentTypeError(f"'{text}' does not end in .npz")
     return output.file(text)
@@ -93,7 +104,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
         sys.path[:0] = [str(file.parent), str(Path.cwd())] if given.plugin else []
         scenario = load(file, given.plugin)
     if given.check:
-        return 0, _valid(scenario, given.scenario, _rehearsed(given, scenario))
+        return 0, _valid(scenario, title(given.scenario), _rehearsed(given, scenario))
     output.writable(given.log, given.html)
     if given.csv:
         given.csv.mkdir(parents=True, exist_ok=True)
@@ -101,7 +112,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
         result = _run(given, scenario, live.watch if live else None)
         done = [
             *_write_outputs(given, result),
-            output.printed(_text(result, given.scenario)),
+            output.printed(_text(result, title(given.scenario))),
             _write_report(given, result),
         ]
         if result.interrupted:
@@ -165,7 +176,7 @@ def _live(given: argparse.Namespace, scenario: Scenario) -> Iterator[Live]:
     from ospace.visual.live import Live
 
     with Live(scenario) as live:
-        print(f"{given.scenario} at {live.address}: runs when the page is opened (Ctrl-C ends)", flush=True)
+        print(f"{title(given.scenario)} at {live.address}: runs when the page is opened (Ctrl-C ends)", flush=True)
         live.wait()
         yield live
 
