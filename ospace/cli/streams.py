@@ -19,7 +19,7 @@ _XACRO = b"http://www.ros.org/wiki/xacro"
 
 
 class Streams:
-    """What one command reads and writes as ``-``."""
+    """Files of one command that are given as ``-``."""
 
     def __init__(self) -> None:
         self._folder: tempfile.TemporaryDirectory[str] | None = None
