@@ -73,13 +73,14 @@ _HOME = {
     "ScenarioError": "scenario.errors",
     "DependentRowsError": "exceptions",
 }
+_PACKAGES = ("models", "analysis", "bridge", "control", "scenario", "simulation", "visual")
 __all__ = ["models"]
 __all__ += list(_HOME)
 
 
 def __getattr__(name: str) -> Any:
-    if name == "models":
-        return importlib.import_module("ospace.models")
+    if name in _PACKAGES:
+        return importlib.import_module(f"ospace.{name}")
     if name not in _HOME:
         raise AttributeError(f"module 'ospace' has no attribute '{name}'")
     value = getattr(importlib.import_module(f"ospace.{_HOME[name]}"), name)

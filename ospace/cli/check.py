@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ospace.cli import output
 from ospace.cli.columns import Column, fit
 from ospace.cli.console import buffered_console, buffered_text, plain, show_findings, show_table, show_text
+from ospace.cli.dialect import shell
 from ospace.cli.streams import title
 
 if TYPE_CHECKING:
@@ -131,7 +132,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     if given.explain is not None:
         from ospace.urdf.lint import explain
 
-        return 0, explain.text(given.explain)
+        return 0, shell(explain.text(given.explain))
     if not given.urdfs:
         given.refuse_usage("give a URDF, or a code with --explain")
     one = _frames if given.frames else _fix if given.fix is not None else _check

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import math
+import re
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +24,8 @@ _USAGE = """ospace compose BUS ARM [--at X,Y,Z] [--rpy R,P,Y] [--on LINK]
                       [--prefix WORD] [--remove LINK]... [NAME:=VALUE]...
                       [ARM ...] [--payload LINK BODY]...
                       [--package-dir DIR]... --out FILE"""
+_SPLIT = re.compile(r"([^a-zA-Z°]*(?:[eE][+-]?\d+)?)\s*(.*)", re.DOTALL)
+"""A number, and its unit."""
 _ONCE = ("at", "rpy", "on", "prefix")
 _VALUES = {
     "--payload": 2,
@@ -48,7 +50,11 @@ def add_to(verbs: Any) -> None:
     )
     verb.add_argument("--part", action=_InOrder, help=argparse.SUPPRESS)  # what `_marked` writes for BUS and ARM
     verb.add_argument(
-        "--at", metavar="X,Y,Z", type=_metres, action=_InOrder, help="where the ARM's root stands, m (default: 0,0,0)"
+        "--at",
+        metavar="X,Y,Z",
+        type=_metres,
+        action=_InOrder,
+        help="where the ARM's root stands, m; 60,0,0cm (default: 0,0,0)",
     )
     verb.add_argument(
         "--rpy",
@@ -114,25 +120,31 @@ def _marked(words: Sequence[str]) -> Iterator[str]:
 
 
 def _metres(text: str) -> tuple[float, ...]:
-    return _three(text.removesuffix("m"), text, "0.5,0,0.4")
+    return _three(text, "length", "0.5,0,0.4 or 50,0,40cm")
 
 
 def _radians(text: str) -> tuple[float, ...]:
-    degrees = text.endswith("deg")
-    values = _three(text.removesuffix("deg").removesuffix("rad"), text, "0,1.5708,0 or 0,90,0deg")
-    return tuple(map(math.radians, values)) if degrees else values
+    return _three(text, "angle", "0,1.5708,0 or 0,90,0deg")
 
 
-def _three(text: str, given: str, example: str) -> tuple[float, ...]:
+def _three(text: str, dimension: str, example: str) -> tuple[float, ...]:
+    """Read three numbers, each with a unit, or with that of the last one, or in SI units."""
+    from ospace.quantities import parse
     from ospace.urdf.numbers import NumberError, number
 
+    words = [_SPLIT.fullmatch(word.strip()) for word in text.split(",")]
+    if len(words) == 1:
+        words = [_SPLIT.fullmatch(word) for word in text.split()]
+    if len(words) != 3:
+        raise argparse.ArgumentTypeError(f"'{text}' has {len(words)} numbers instead of 3: write {example}")
+    last = words[-1][2] if words[-1] else ""
     try:
-        values = tuple(number(word) for word in text.replace(",", " ").split())
+        pairs = [(number(word[1]), word[2] or last) for word in words if word]
+        return tuple(parse(f"{value!r} {unit}" if unit else value, dimension) for value, unit in pairs)
     except NumberError as error:
-        raise argparse.ArgumentTypeError(f"'{given}' {error}: write {example}") from None
-    if len(values) != 3:
-        raise argparse.ArgumentTypeError(f"'{given}' has {len(values)} numbers instead of 3: write {example}")
-    return values
+        raise argparse.ArgumentTypeError(f"'{text}' {error}: write {example}") from None
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"'{text}': {error}; write {example}") from None
 
 
 def run(given: argparse.Namespace) -> tuple[int, str]:

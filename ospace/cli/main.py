@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import ospace
-from ospace.cli import output, streams
+from ospace.cli import os_errors, output, streams
 from ospace.cli.interrupts import Interrupts
 
 EXIT_FINDINGS, EXIT_USAGE, EXIT_INTERRUPTED = 1, 2, 130
@@ -102,7 +102,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if _lacks_memory(error):
             output.tell("error: not enough memory")
         elif isinstance(error, OSError):
-            output.tell(f"error: {error}")
+            output.tell(f"error: {os_errors.text(error)}")
         else:
             raise
         return EXIT_USAGE

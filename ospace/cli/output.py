@@ -11,6 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from ospace.cli import streams
+from ospace.cli.dialect import shell
 
 FIGURES = (".svg", ".png", ".pdf")
 _STANDARD_OUTPUT = 1
@@ -91,7 +92,7 @@ def tell(text: str) -> None:
     if sys.stderr is None:  # print would take standard output
         return
     with suppress(OSError):
-        print(printable_lines(f"ospace: {streams.current.named(text)}"), file=sys.stderr, flush=True)
+        print(printable_lines(f"ospace: {shell(streams.current.named(text))}"), file=sys.stderr, flush=True)
 
 
 def printed(text: str) -> bool:

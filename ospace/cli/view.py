@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 PAGE = "view"
 EXAMPLES = (
     "ospace view chaser_24dof --sweep",
-    "ospace view robot.urdf --pose elbow=1.2,wrist=-0.3",
+    "ospace view robot.urdf --pose elbow=20deg,wrist=-0.3",
     "ospace view robot.urdf --html robot.html --screenshot robot.png",
 )
 _FRAME = 1.0 / 30.0  # s from one picture of a sweep to the next
@@ -57,7 +57,8 @@ def add_to(verbs: Any) -> None:
         "--pose",
         metavar="JOINT=VALUE,...",
         default="",
-        help="joint positions, rad or m; others are 0, or inside their limits where 0 is not",
+        help="joint positions, rad or m, or with a unit, as elbow=20deg; others are 0, or inside their limits where 0 "
+        "is not",
     )
     verb.add_argument(
         "--layers",

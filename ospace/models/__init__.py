@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import tomllib
 from pathlib import Path
@@ -45,6 +46,26 @@ def path(name: str) -> Path:
     if name not in names():
         raise OspaceError(f"'{name}' is neither a file nor a model that comes with ospace{closest(name, names())}")
     return _folder() / f"{name}.urdf"
+
+
+def find(text: str | os.PathLike[str], *, scenarios: bool = False) -> Path:
+    """Return the file of that path; where there is none, the file of that name that comes with ospace.
+
+    Parameters
+    ----------
+    text : path-like
+        As ``"arm.urdf"``, or ``"chaser_24dof"``.
+    scenarios : bool
+        Look among scenarios, not among robots.
+
+    Returns
+    -------
+    Path
+    """
+    given = Path(text)
+    files = (_folder() / "scenarios").glob("*.toml") if scenarios else _folder().glob("*.urdf")
+    known = {file.stem: file for file in files}
+    return given if os.path.lexists(given) else known.get(os.fspath(text), given)
 
 
 def summary(name: str) -> str:
