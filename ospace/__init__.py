@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from ospace.urdf.source import Limits as Limits
 
 __version__ = "0.1.0"
-DOCUMENTATION = "https://ospace.readthedocs.io/en/latest/"
+DOCUMENTATION = "https://ospace-robotics.github.io/ospace/"
 
 _HOME = {
     "SpaceRobot": "model.robot",

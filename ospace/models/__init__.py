@@ -1,7 +1,11 @@
-"""The robots and scenarios that come with ospace, by name: sources and assumptions stand in each file's header."""
+"""The robots, scenarios and examples that come with ospace, by name.
+
+Sources and assumptions of a robot stand in the header of its file.
+"""
 
 from __future__ import annotations
 
+import ast
 import os
 import re
 import tomllib
@@ -143,3 +147,33 @@ def scenario_summary(name: str) -> str:
         No scenario of that name comes with ospace.
     """
     return str(tomllib.loads(scenario(name).read_text(encoding="utf-8")).get("name", ""))
+
+
+def examples() -> list[Path]:
+    """Return the example scripts that come with ospace, to be run or copied.
+
+    Returns
+    -------
+    list of Path
+        In alphabetical order.
+    """
+    installed = Path(__file__).parents[1] / "examples"
+    folder = installed if installed.is_dir() else Path(__file__).parents[2] / "examples"
+    return sorted(folder.glob("*.py"))
+
+
+def example_summary(file: Path) -> str:
+    """Return the first sentence of an example.
+
+    Parameters
+    ----------
+    file : Path
+        One of `examples`.
+
+    Returns
+    -------
+    str
+    """
+    text = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
+    lines = [line for line in text.splitlines() if line.strip("=-~ ")]  # a title may be underlined
+    return lines[0].rstrip(".") if lines else ""
