@@ -23,11 +23,12 @@ def joint_values(text: str, robot: SpaceRobot) -> dict[str, float]:
             )
         if name in positions:
             raise OspaceError(f"--pose '{part}': joint '{name}' is given twice")
-        positions[name] = _position(robot, part, name, value)
+        positions[name] = position(robot, f"--pose '{part}'", name, value)
     return positions
 
 
-def _position(robot: SpaceRobot, part: str, name: str, value: str) -> float:
+def position(robot: SpaceRobot, option: str, name: str, value: str) -> float:
+    """Read a position of a joint, with a unit or in rad or m; the message of an `OspaceError` begins with `option`."""
     from ospace.exceptions import OspaceError
     from ospace.model.joint_positions import in_si
 
@@ -38,4 +39,4 @@ def _position(robot: SpaceRobot, part: str, name: str, value: str) -> float:
     try:
         return float(in_si(joint, name, value))
     except OspaceError as error:
-        raise OspaceError(f"--pose '{part}': {error}") from None
+        raise OspaceError(f"{option}: {error}") from None
