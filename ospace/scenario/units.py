@@ -35,7 +35,6 @@ LARGEST: dict[str, float] = {
 """The largest amounts that a scenario may have, SI: beyond these, a run would show rounding and overflow alone."""
 
 
-
 @dataclass(frozen=True)
 class Quantity:
     """Type of a key whose value is a quantity.
