@@ -55,7 +55,7 @@ _LIMITS = {
 
 def add_to(verbs: Any) -> None:
     """Describe the verb to argparse."""
-    from ospace.cli.main import takes_robot
+    from ospace.cli.main import takes_report, takes_robot
 
     verb = verbs.add_parser(
         "check",
@@ -87,6 +87,7 @@ def add_to(verbs: Any) -> None:
     verb.add_argument(
         "--html", metavar="FILE", type=output.file, help="write a report with the robot to look at: one file"
     )
+    takes_report(verb)
     takes_robot(verb)
     verb.add_argument("--free-mimic", action="store_true", help="take joints that mimic others as independent ones")
     for name, what in _LIMITS.items():
@@ -124,9 +125,9 @@ def _seed(text: str) -> int:
 
 def run(given: argparse.Namespace) -> tuple[int, str]:
     """Check; return the exit status and the text to print."""
-    if given.frames and (given.html or given.fix is not None or given.explain is not None):
-        given.refuse_usage("--frames lists what the file holds: give it without --html, --fix and --explain")
-    for option in ("json", "html"):
+    if given.frames and (given.html or given.pdf or given.fix is not None or given.explain is not None):
+        given.refuse_usage("--frames lists what the file holds: give it without --html, --pdf, --fix and --explain")
+    for option in ("json", "html", "pdf"):
         if getattr(given, option) and (given.fix is not None or given.explain is not None):
             given.refuse_usage(f"--{option} describes a check: give it without --fix and --explain")
     if given.explain is not None:
@@ -147,7 +148,7 @@ def _several(given: argparse.Namespace, one: Callable[[argparse.Namespace], tupl
     from ospace.cli.main import EXIT_USAGE
     from ospace.exceptions import OspaceError
 
-    for option in ("html", "fix"):
+    for option in ("html", "pdf", "fix"):
         if getattr(given, option):
             given.refuse_usage(f"--{option} writes one file: give it with one URDF")
     statuses, texts = [], []
@@ -167,14 +168,15 @@ def _several(given: argparse.Namespace, one: Callable[[argparse.Namespace], tupl
 
 
 def _check(given: argparse.Namespace) -> tuple[int, str]:
-    from ospace.cli.main import EXIT_FINDINGS, EXIT_USAGE, find, package_dirs
+    from ospace.cli.main import EXIT_FINDINGS, EXIT_USAGE, check_report_options, find, package_dirs
     from ospace.extras import require_scene
 
-    if given.html:
+    if given.html or given.pdf:
         require_scene("a report")
+    check_report_options(given)
     file, folders = find(given.urdf), package_dirs(given)
-    output.distinct([file], [given.html])
-    output.writable(given.html)
+    output.distinct([file], [given.html, given.pdf])
+    output.writable(given.html, given.pdf)
     result, description = _report(given, file, folders)
     text = (
         json.dumps(result.as_dict(), indent=2, allow_nan=False) + "\n"
@@ -182,19 +184,29 @@ def _check(given: argparse.Namespace) -> tuple[int, str]:
         else _text(result, title(given.urdf))
     )
     status = EXIT_FINDINGS if result.errors else 0
-    if not given.html:
+    files = [path for path in (given.html, given.pdf) if path]
+    if not files:
         return status, text
 
     def report() -> None:
-        from ospace.visual import check_report
+        from ospace.visual import browser, check_report
+        from ospace.visual.provenance import Provenance
 
-        check_report.save(result, description, given.html, name=title(given.urdf), urdf=file, package_dirs=folders)
+        name = title(given.urdf)
+        about = Provenance.of(file, name=name, command=given.command, project=given.project, author=given.author)
+        if given.html:
+            check_report.save(result, description, given.html, name=name, urdf=file, package_dirs=folders, about=about)
+        if given.pdf:
+            paper = check_report.render(
+                result, description, name=name, urdf=file, package_dirs=folders, about=about, background="paper"
+            )
+            browser.pdf(paper, given.pdf)
 
     given.refuse_if_interrupted()  # which an import may have swallowed: nothing is printed then
-    done = [output.printed(text), output.written(given.html, "report", report)]
+    done = [output.printed(text), output.written(files[0], "report", report)]
     if not all(done):
         return EXIT_USAGE, ""
-    return status, "" if given.json else f"wrote {given.html}\n"
+    return status, "" if given.json else "".join(f"wrote {path}\n" for path in files)
 
 
 def _report(given: argparse.Namespace, file: Path, folders: Sequence[Path]) -> tuple[Report, Description]:

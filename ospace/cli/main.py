@@ -7,6 +7,7 @@ import importlib
 import io
 import os
 import re
+import shlex
 import sys
 import warnings
 from collections.abc import Mapping, Sequence
@@ -85,6 +86,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             warnings.showwarning = lambda message, *where, **more: output.tell(str(message))
             streams.current = streams.Streams()
             given = _parsed(list(sys.argv[1:] if arguments is None else arguments))
+            given.command = shlex.join(["ospace", *(sys.argv[1:] if arguments is None else arguments)])
             given.refuse_if_interrupted, given.clear_interrupt = interrupts.refuse, interrupts.clear
             status, text = given.run(given)
             interrupts.refuse()
@@ -158,6 +160,24 @@ def _refuse_unknown(verb: argparse.ArgumentParser, unknown: Sequence[str]) -> No
     first = unknown[0].partition("=")[0]
     near = closest(first, verb._option_string_actions) if first.startswith("--") else ""
     verb.error(f"unrecognized arguments: {printable(' '.join(unknown))}{near.partition('; known')[0]}")
+
+
+def takes_report(verb: argparse.ArgumentParser) -> None:
+    """Let the verb print its report to PDF, and say whose it is."""
+    verb.add_argument("--pdf", metavar="FILE", type=output.pdf, help="print the report to PDF, by Chromium")
+    verb.add_argument("--project", metavar="TEXT", default="", help="project that the report is for")
+    verb.add_argument("--author", metavar="TEXT", default="", help="author of the report")
+
+
+def check_report_options(given: argparse.Namespace) -> None:
+    """Refuse what a report cannot be made with, or a word for one that is not made, before any work is done."""
+    for option in ("project", "author"):
+        if getattr(given, option) and not (given.html or given.pdf):
+            given.refuse_usage(f"--{option} is for a report: give it with --html or --pdf")
+    if given.pdf:
+        from ospace.visual import browser
+
+        browser.find()
 
 
 def takes_robot(verb: argparse.ArgumentParser) -> None:

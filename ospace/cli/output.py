@@ -26,6 +26,13 @@ def figure(text: str) -> Path:
     return file(text)
 
 
+def pdf(text: str) -> Path:
+    """Return the path of a PDF, for argparse."""
+    if text != "-" and Path(text).suffix.lower() != ".pdf":
+        raise argparse.ArgumentTypeError(f"'{text}' does not end in .pdf")
+    return file(text, ".pdf")
+
+
 def file(text: str, suffix: str = "") -> Path:
     """Return the path of a file in a folder that is there, for argparse; ``-`` is standard output, as `suffix` says."""
     if text == "-":
