@@ -178,7 +178,7 @@ class PhaseResult(Result):
 
 
 @dataclass(frozen=True, eq=False)
-class FreeTarget:
+class FreeTarget(Result):
     """A target that moves by itself.
 
     Attributes
