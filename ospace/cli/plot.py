@@ -20,7 +20,17 @@ EXAMPLES = (
 )
 QUANTITIES = (
     *("position-error", "angle-error", "joint-error", "momentum-error", "angular-momentum-error"),
-    *("orientation", "path", "torque", "unlimited-torque", "momentum", "energy", "sigma-min", "cycle-time"),
+    *(
+        "orientation",
+        "path",
+        "torque",
+        "unlimited-torque",
+        "momentum",
+        "energy",
+        "sigma-min",
+        "clearance",
+        "cycle-time",
+    ),
 )
 """The names of `ospace.scenario.series.TITLES`, which would take seconds to load."""
 

@@ -13,7 +13,7 @@ _CHUNK = 1 << 20
 
 @dataclass(frozen=True)
 class Provenance:
-    """What a review board asks of a report before it reads it.
+    """Origin of a report, which a review board asks for before it reads it.
 
     Attributes
     ----------
