@@ -24,7 +24,7 @@ _USAGE = """ospace compose BUS ARM [--at X,Y,Z] [--rpy R,P,Y] [--on LINK]
                       [--prefix WORD] [--remove LINK]... [NAME:=VALUE]...
                       [ARM ...] [--payload LINK BODY]...
                       [--package-dir DIR]... --out FILE"""
-_SPLIT = re.compile(r"([^a-zA-Z°]*(?:[eE][+-]?\d+)?)\s*(.*)", re.DOTALL)
+_SPLIT = re.compile(r"([^a-zA-Z°]+(?:[eE][+-]?\d+)?|.*?)\s*((?:[a-zA-Z°].*)?)", re.DOTALL)
 """A number, and its unit."""
 _ONCE = ("at", "rpy", "on", "prefix")
 _VALUES = {
@@ -139,7 +139,7 @@ def _three(text: str, dimension: str, example: str) -> tuple[float, ...]:
         raise argparse.ArgumentTypeError(f"'{text}' has {len(words)} numbers instead of 3: write {example}")
     last = words[-1][2] if words[-1] else ""
     try:
-        pairs = [(number(word[1]), word[2] or last) for word in words if word]
+        pairs = [(number(word[1] or word[0]), word[2] or last) for word in words if word]
         return tuple(parse(f"{value!r} {unit}" if unit else value, dimension) for value, unit in pairs)
     except NumberError as error:
         raise argparse.ArgumentTypeError(f"'{text}' {error}: write {example}") from None

@@ -136,6 +136,7 @@ def test_each_finding_from_the_smallest_model(found, parts, code, severity, subj
         "line": 1,
         "value": finding.value,
         "file": None,
+        "pose": None,
     }
 
 
