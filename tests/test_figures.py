@@ -68,8 +68,9 @@ def test_the_base_stands_still_while_joints_swing_in_its_null_space(run):
 
 def test_the_shells_of_the_workspace_are_the_published_ones(run):
     said = run("workspace_shells")
-    assert said["PDW"] == pytest.approx([0.351064, 0.553677, 1.436170, 2.287234], abs=1e-4)
-    assert said["reach"][0] == pytest.approx(said["PDW"][-1], abs=1e-4)
+    inner, middle, outer, reach = 0.351064, 0.553677, 1.436170, 2.287234
+    assert said["PDW"] == [inner, middle, outer, reach]
+    assert said["PIW"] == [0.0, inner, middle, outer]
     assert_labelled()
 
 

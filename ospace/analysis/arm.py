@@ -8,7 +8,7 @@ the arm, from the first joint that varies along the way to the hand.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -28,6 +28,7 @@ _WIDEST = np.pi
 """Of a range on either side of zero where the file has no limit, rad or m."""
 _NO_RATE = 1e6
 """rad/s or m/s: files write 1e9 for a limit that is never reached."""
+_POSITION = (True, True, True, False, False, False)
 _PILOT = 512
 _NOTHING = 1e-9
 """Rows and singular values of J_m* below this share of the largest count as zero."""
@@ -196,6 +197,7 @@ class Arm:
         """
         quantities = ("placement", "centre_of_mass", "generalized_jacobian", "base_generalized_jacobian")
         found = operational_space_batch(self.locked, self._hand, self.locked_configurations(x), None, quantities)
+        self._check(found.bad, x)
         hand, centre, J_m_star, J_b_star = (np.asarray(getattr(found, name)) for name in quantities)
         return Posture(self.length * hand[:, 0, :3], self.length * centre, J_m_star, J_b_star)
 
@@ -273,6 +275,15 @@ class Arm:
             columns.append(self.length**2 * M_0[:, 3:] - self.length * np.cross(centre, M_0[:, :3]))
         return np.stack(columns, axis=-1)
 
+    def _check(self, bad: npt.NDArray[np.int64], x: Floats) -> None:
+        """Raise `OspaceError` where some postures have no dynamics."""
+        if bad.size:
+            at = ", ".join(f"{name}={value:.4g}" for name, value in zip(self.joints, x[bad[0]], strict=True))
+            raise OspaceError(
+                f"robot '{self.robot.name}' has no dynamics at {at}: masses, lengths or positions are too large or too "
+                f"small to compute with"
+            )
+
     def _of_locked(self, quantity: str, x: Floats, V: Floats | None = None) -> Floats:
         Q = self.locked_configurations(x)
         return np.asarray(getattr(operational_space_batch(self.locked, self._hand, Q, V, (quantity,)), quantity))
@@ -307,6 +318,20 @@ class Arm:
         pilot = self.posture(self.draw(np.random.default_rng(0), _PILOT)).J_m_star[:, list(self.rows)]
         values = np.linalg.svd(pilot, compute_uv=False)
         return int((values > _NOTHING * values[:, :1]).sum(axis=1).max(initial=0))
+
+
+def default_arm(
+    robot: SpaceRobot,
+    point: OperationalPoint,
+    joints: Iterable[str] | None = None,
+    ranges: Mapping[str, tuple[float, float]] | None = None,
+    at: npt.ArrayLike | None = None,
+) -> Arm:
+    """Return an arm whose hand counts by the rows that it can have: six joints take a pose, fewer a position."""
+    arm = Arm(robot, point, joints, ranges, at)
+    if len(arm.joints) >= len(point.axes):
+        return arm
+    return Arm(robot, replace(point, axes=_POSITION), joints, ranges, at)
 
 
 def _places(robot: SpaceRobot, joints: Iterable[str]) -> list[tuple[int, bool]]:

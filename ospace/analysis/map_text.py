@@ -37,13 +37,17 @@ def intervals(shells: Sequence[Interval]) -> str:
     return ", ".join(f"{_plain(low, 4)} to {_plain(high, 4)} m" for low, high in shells) or "none"
 
 
+def rows(arm: Arm) -> str:
+    """Return which rows of the hand count, as ``position``."""
+    axes = tuple(arm.point.axes)
+    return _ROWS[axes] if axes in _ROWS else ", ".join(_named(axes))
+
+
 def heading(result: MapResult) -> str:
     """Return what was mapped: hand, rows and joints."""
     arm = result.arm
-    axes = tuple(arm.point.axes)
-    rows = _ROWS[axes] if axes in _ROWS else ", ".join(_named(axes))
     joints = ", ".join(arm.joints) if len(arm.joints) <= 3 else f"{len(arm.joints)} joints"
-    return printable(f"{arm.robot.name}: {arm.point.frame} ({rows}) over {joints}")
+    return printable(f"{arm.robot.name}: {arm.point.frame} ({rows(arm)}) over {joints}")
 
 
 def facts(result: MapResult) -> Iterator[tuple[str, str]]:

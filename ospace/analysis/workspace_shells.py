@@ -15,8 +15,8 @@ rank, and U₂, V₂ to the others. Near such a posture the same is said by the 
     S(φ) = U₂ᵀ J V₂ − U₂ᵀ J V₁ (U₁ᵀ J V₁)⁻¹ U₁ᵀ J V₂ = 0,   ∂S = U₂ᵀ ∂J V₂
 
 Newton's method goes to singular postures from many starts, and ascents of ±|ρ| on S = 0 from there to the ends of each
-interval: all radii between the ends of such a path are singular. What is found is singular; that nothing else is rests
-on the number of starts.
+interval, and from around these ends again: all radii between the ends of such a path are singular. What is found is
+singular; that nothing else is rests on the number of starts.
 """
 
 from __future__ import annotations
@@ -41,6 +41,8 @@ _STEP = 1e-5
 _AWAY = (0.3, 0.6, 0.3, 1.0)
 """How far neighbours of singular postures are sought, rad or L."""
 _TRACE, _POLISH = 60, 400
+_AGAIN, _TRIED, _ENDS = (0.5, 0.2, 0.1), 3, 10
+"""Around the best ends, once more: how far, rad or L; how often from each; and how many ends."""
 _SAME = 1e-6
 """Intervals that come nearer than this share of the reach are one."""
 
@@ -247,25 +249,77 @@ def _singular_intervals(
     """Return how many searches from `x` found a singular posture, and the intervals of their radii with their ends."""
     if arm.rank == 0:
         return 0, []
-    up, down = _SingularRadius(arm, 1.0), _SingularRadius(arm, -1.0)
-    x, found = restore(up, x, arm.lower, arm.upper, _SINGULAR)
+    problem, near = _SingularRadius(arm, 1.0), _SAME * max(reach[1], arm.length)
+    x, found = restore(problem, x, arm.lower, arm.upper, _SINGULAR)
     x, count = x[found], int(found.sum())
     if not len(x):
         return 0, []
-    x = _neighbours(up, x, starts, rng)
-    ends = [_trace(problem, x, _TRACE) for problem in (down, up)]
-    low, high = (_radii(arm, end) for end in ends)
-    near = _SAME * max(reach[1], arm.length)
-    merged: list[list[int]] = []  # the searches whose intervals touch: [the lowest end, the highest end]
-    for k in np.argsort(low, kind="stable"):
-        if merged and low[k] <= high[merged[-1][1]] + near:
-            merged[-1][1] = max(merged[-1][1], int(k), key=lambda one: high[one])
-        else:
-            merged.append([int(k), int(k)])
-    lowest = _trace(down, ends[0][[first for first, _ in merged]], _POLISH)
-    highest = _trace(up, ends[1][[last for _, last in merged]], _POLISH)
-    a, b = _radii(arm, lowest), _radii(arm, highest)
-    return count, _united([((float(a[k]), float(b[k])), (lowest[k], highest[k])) for k in range(len(a))], near)
+    paths = _Paths.of(arm, _neighbours(problem, x, starts, rng))
+    for away in _AGAIN:  # ascents end on hills of their own: again from around the best
+        best = np.repeat(paths.ends(near), _TRIED, axis=0)
+        around = np.clip(best + away * arm.scale * rng.normal(size=best.shape), arm.lower, arm.upper)
+        around, found = restore(problem, around, arm.lower, arm.upper, _SINGULAR)
+        paths = paths.and_those(_Paths.of(arm, around[found]))
+    paths = paths.polished(near)
+    return count, [
+        ((float(paths.low[k]), float(paths.high[j])), (paths.first[k], paths.last[j])) for k, j in paths.extremes(near)
+    ]
+
+
+@dataclass(frozen=True)
+class _Paths:
+    """K paths of singular postures, each from one of small to one of large radius: all radii between are singular."""
+
+    arm: Arm
+    first: Floats
+    last: Floats
+    low: Floats
+    high: Floats
+
+    @classmethod
+    def of(cls, arm: Arm, x: Floats, iterations: int = _TRACE) -> _Paths:
+        """Go down and up from singular postures."""
+        first, last = (_trace(_SingularRadius(arm, sign), x, iterations) for sign in (-1.0, 1.0))
+        return cls(arm, first, last, _radii(arm, first), _radii(arm, last))
+
+    def and_those(self, others: _Paths) -> _Paths:
+        """Return both."""
+        both = (np.concatenate([getattr(self, n), getattr(others, n)]) for n in ("first", "last", "low", "high"))
+        return _Paths(self.arm, *both)
+
+    def groups(self, near: float) -> list[Ints]:
+        """Return paths whose radii overlap, or come nearer than `near`, by rising radius."""
+        order = np.argsort(self.low, kind="stable")
+        top = np.maximum.accumulate(self.high[order])
+        return np.split(order, 1 + np.flatnonzero(self.low[order][1:] > top[:-1] + near))
+
+    def extremes(self, near: float) -> list[tuple[int, int]]:
+        """Return of each group the path that begins lowest, and the one that ends highest."""
+        return [
+            (int(group[np.argmin(self.low[group])]), int(group[np.argmax(self.high[group])]))
+            for group in self.groups(near)
+        ]
+
+    def best(self, near: float) -> tuple[Ints, Ints]:
+        """Return the paths that begin lowest in their groups, and those that end highest: some of each."""
+        groups = self.groups(near)
+        some = max(1, _ENDS // len(groups))
+        lowest = [group[np.argsort(self.low[group], kind="stable")[:some]] for group in groups]
+        highest = [group[np.argsort(-self.high[group], kind="stable")[:some]] for group in groups]
+        return np.concatenate(lowest), np.concatenate(highest)
+
+    def ends(self, near: float) -> Floats:
+        """Return the postures at the ends of these."""
+        lowest, highest = self.best(near)
+        return np.vstack([self.first[lowest], self.last[highest]])
+
+    def polished(self, near: float) -> _Paths:
+        """Return these paths with their best ends followed to the last digits."""
+        lowest, highest = self.best(near)
+        first, last = self.first.copy(), self.last.copy()
+        first[lowest] = _trace(_SingularRadius(self.arm, -1.0), first[lowest], _POLISH)
+        last[highest] = _trace(_SingularRadius(self.arm, 1.0), last[highest], _POLISH)
+        return _Paths(self.arm, first, last, _radii(self.arm, first), _radii(self.arm, last))
 
 
 def _neighbours(problem: _SingularRadius, x: Floats, starts: int, rng: np.random.Generator) -> Floats:
@@ -288,20 +342,6 @@ def _trace(problem: _SingularRadius, x: Floats, iterations: int) -> Floats:
 
 def _radii(arm: Arm, x: Floats) -> Floats:
     return np.asarray(np.linalg.norm(arm.posture(x).from_centre, axis=1))
-
-
-def _united(
-    pieces: list[tuple[Interval, tuple[Floats, Floats]]], near: float
-) -> list[tuple[Interval, tuple[Floats, Floats]]]:
-    """Unite intervals that touch, now that their ends are known to the last digits."""
-    united: list[tuple[Interval, tuple[Floats, Floats]]] = []
-    for (low, high), (first, last) in sorted(pieces, key=lambda piece: piece[0]):
-        if united and low <= united[-1][0][1] + near:
-            (before, top), (begin, end) = united[-1]
-            united[-1] = (before, max(top, high)), (begin, last if high > top else end)
-        else:
-            united.append(((low, high), (first, last)))
-    return united
 
 
 def _rest(reach: Interval, taken: Sequence[Interval]) -> list[Interval]:

@@ -17,6 +17,9 @@ from ospace.cli.streams import title
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from ospace.analysis.overview import Overview
+    from ospace.model.points import OperationalPoint
+    from ospace.model.robot import SpaceRobot
     from ospace.urdf.description import Description
     from ospace.urdf.source import Limits
     from ospace.validation.agreement import Agreement
@@ -177,7 +180,7 @@ def _check(given: argparse.Namespace) -> tuple[int, str]:
     file, folders = find(given.urdf), package_dirs(given)
     output.distinct([file], [given.html, given.pdf])
     output.writable(given.html, given.pdf)
-    result, description = _report(given, file, folders)
+    result, description, robot, points = _report(given, file, folders)
     text = (
         json.dumps(result.as_dict(), indent=2, allow_nan=False) + "\n"
         if given.json
@@ -194,13 +197,12 @@ def _check(given: argparse.Namespace) -> tuple[int, str]:
 
         name = title(given.urdf)
         about = Provenance.of(file, name=name, command=given.command, project=given.project, author=given.author)
+        hands = [] if robot is None or result.errors else _hands(given, robot, points)
+        more = {"name": name, "urdf": file, "package_dirs": folders, "hands": hands, "about": about}
         if given.html:
-            check_report.save(result, description, given.html, name=name, urdf=file, package_dirs=folders, about=about)
+            check_report.save(result, description, given.html, **more)
         if given.pdf:
-            paper = check_report.render(
-                result, description, name=name, urdf=file, package_dirs=folders, about=about, background="paper"
-            )
-            browser.pdf(paper, given.pdf)
+            browser.pdf(check_report.render(result, description, **more, background="paper"), given.pdf)
 
     given.refuse_if_interrupted()  # which an import may have swallowed: nothing is printed then
     done = [output.printed(text), output.written(files[0], "report", report)]
@@ -209,8 +211,19 @@ def _check(given: argparse.Namespace) -> tuple[int, str]:
     return status, "" if given.json else "".join(f"wrote {path}\n" for path in files)
 
 
-def _report(given: argparse.Namespace, file: Path, folders: Sequence[Path]) -> tuple[Report, Description]:
-    """Check; return the report and what the file says, which no robot is made of where it is unsound."""
+def _hands(given: argparse.Namespace, robot: SpaceRobot, points: Sequence[OperationalPoint]) -> list[Overview]:
+    """Map what hands do while the base floats, for the report."""
+    from ospace.analysis.overview import hands_of, overviews
+    from ospace.cli import progress
+
+    with progress.bar(given, "mapping hands", len(hands_of(points))) as advance:
+        return overviews(robot, points, seed=given.seed, progress=advance)
+
+
+def _report(
+    given: argparse.Namespace, file: Path, folders: Sequence[Path]
+) -> tuple[Report, Description, SpaceRobot | None, list[OperationalPoint]]:
+    """Check; return the report, what the file says, and the robot with its points, if one is made of it."""
     from ospace.cli import progress
     from ospace.dynamics.workspace import compile_kernels
     from ospace.model.robot import SpaceRobot
@@ -230,7 +243,7 @@ def _report(given: argparse.Namespace, file: Path, folders: Sequence[Path]) -> t
     description, findings = reading.description, reading.findings
     if reading.model is None:
         on_meshes = of_meshes(description, file, folders, findings)
-        return report.Report(None, by_severity([*findings, *on_meshes]), seed=given.seed), description
+        return report.Report(None, by_severity([*findings, *on_meshes]), seed=given.seed), description, None, []
     robot = SpaceRobot(reading.model, findings, source=file, description=description, package_dirs=folders)
     points = [robot.point(name) for name in given.point or robot.leaf_links[:_MOST_POINTS]]
     with progress.bar(given, "comparing states", given.samples) as advance:
@@ -238,7 +251,7 @@ def _report(given: argparse.Namespace, file: Path, folders: Sequence[Path]) -> t
         result = report.check(
             robot, points, samples=given.samples, seed=given.seed, batch=given.batch, progress=advance
         )
-    return result, description
+    return result, description, robot, points
 
 
 def _frames(given: argparse.Namespace) -> tuple[int, str]:

@@ -27,8 +27,6 @@ EXAMPLES = (
 )
 _WHAT = ("reach", "singularity", "base-turn", "level-base", "disturbance", "wheels")
 _RANDOM, _MOST = 20_000, 100_000_000
-_POSE_ROWS = 6
-"""Joints from which on a hand is mapped by position and attitude."""
 
 
 def add_to(verbs: Any) -> None:
@@ -179,7 +177,7 @@ def _what(text: str) -> tuple[str, ...]:
 
 
 def _arm(given: argparse.Namespace, robot: SpaceRobot) -> Arm:
-    from ospace.analysis.arm import Arm
+    from ospace.analysis.arm import Arm, default_arm
     from ospace.model.joint_positions import excess_text
 
     frame = given.point or _only_hand(robot)
@@ -187,10 +185,9 @@ def _arm(given: argparse.Namespace, robot: SpaceRobot) -> Arm:
     at = robot.configuration({**robot.joint_positions(robot.neutral()), **joint_values(given.pose, robot)})
     if beyond := robot.outside_limits(at):
         output.tell(f"warning: --pose is outside limits: {excess_text(robot.model, beyond)}")
-    whole = Arm(robot, robot.point(frame, given.axes or "all"), joints or None, ranges, at)
-    if given.axes or len(whole.joints) >= _POSE_ROWS:
-        return whole
-    return Arm(robot, robot.point(frame, "linear"), joints or None, ranges, at)
+    if given.axes:
+        return Arm(robot, robot.point(frame, given.axes), joints or None, ranges, at)
+    return default_arm(robot, robot.point(frame), joints or None, ranges, at)
 
 
 def _only_hand(robot: SpaceRobot) -> str:

@@ -6,11 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
 import ospace
+from ospace.analysis import map_text
+from ospace.analysis.overview import POSTURES, Overview
 from ospace.exceptions import printable
 from ospace.files import replacing
 from ospace.urdf.bodies import Body, bodies_of, tensor_of
@@ -58,6 +61,7 @@ def save(
     name: str,
     urdf: Path,
     package_dirs: Sequence[Path] = (),
+    hands: Sequence[Overview] = (),
     about: Provenance | None = None,
 ) -> Path:
     """Write the report of a check to one HTML file, which needs no network.
@@ -75,6 +79,8 @@ def save(
         Its file.
     package_dirs : sequence of Path
         Where ``package://`` names of meshes are looked up.
+    hands : sequence of Overview
+        What hands do while the base floats.
     about : Provenance, optional
         Shown at its beginning.
 
@@ -88,7 +94,7 @@ def save(
     OSError
         The file cannot be written.
     """
-    text = render(report, description, name=name, urdf=urdf, package_dirs=package_dirs, about=about)
+    text = render(report, description, name=name, urdf=urdf, package_dirs=package_dirs, hands=hands, about=about)
     with replacing(path) as part:
         part.write_text(text, encoding="utf-8")
     return Path(path)
@@ -101,6 +107,7 @@ def render(
     name: str,
     urdf: Path,
     package_dirs: Sequence[Path] = (),
+    hands: Sequence[Overview] = (),
     about: Provenance | None = None,
     background: Background = "space",
 ) -> str:
@@ -129,10 +136,34 @@ def render(
         shown=list(drawn.subjects.values()),
         codes=[(RULES[code], explain.level(RULES[code])) for code in codes],
         weights=weights,
+        hands=[_row(one) for one in hands],
+        postures=POSTURES,
         total=sum(weight.mass for weight in weights),
         unweighed=len(description.links) - len(weights),
         versions={"ospace": ospace.__version__, "Pinocchio": pin.__version__},
     )
+
+
+def _row(one: Overview) -> dict[str, Any]:
+    """Return the cells of a hand's row, or why it has none."""
+    if one.result is None or one.result.workspaces is None:
+        return {"frame": printable(one.frame), "reason": one.reason}
+    shells, mapped = one.result.workspaces, one.result.arm_map
+    column = {quantity.name: c for c, quantity in enumerate(mapped.quantities)}
+    low, high = mapped.whole.low[0], mapped.whole.high[0]
+    return {
+        "frame": printable(one.frame),
+        "reason": "",
+        "cells": (
+            map_text.rows(one.result.arm),
+            map_text.intervals([shells.reach]),
+            map_text.intervals(shells.path_independent),
+            map_text.intervals(shells.path_dependent),
+            f"{low[column['singular_value']]:.3g}",
+            f"{np.rad2deg(high[column['base_turn']]):.3g} deg",
+            ", ".join(f"{high[column[f'wheel_{axis}']]:.3g}" for axis in "xyz"),
+        ),
+    }
 
 
 def breakdown(bodies: Sequence[Body]) -> list[Weight]:

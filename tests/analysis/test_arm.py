@@ -122,6 +122,13 @@ def test_joints_of_several_degrees_of_freedom_are_refused():
     assert analysis.Arm(robot, robot.point("link_1"), ["joint_1"]).joints == ("joint_1",)
 
 
+def test_postures_without_dynamics_are_told():
+    robot = trees.tree(0, 2, ("prismatic",), branching=0.0)
+    arm = analysis.Arm(robot, robot.point("link_1", "linear"), ranges={"joint_0": (1e200, 2e200)})
+    with pytest.raises(OspaceError, match=r"has no dynamics at joint_0=.*e\+\d+, joint_1=.*are too large or too small"):
+        analysis.map_arm(arm, random=9)
+
+
 def test_the_hand_of_another_robot_is_refused():
     one, other = (trees.tree(seed, 2, ("revolute",)) for seed in (0, 1))
     with pytest.raises(OspaceError, match="another robot"):

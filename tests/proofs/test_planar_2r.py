@@ -134,6 +134,14 @@ def test_radii_of_the_path_dependent_workspace(arm, tip):
     np.testing.assert_allclose(ends, [A + B - C, -A + B + C, A + B + C], rtol=0, atol=1e-14)
 
 
+def test_the_search_for_workspaces_finds_these_radii(arm):
+    turn = (-np.pi, np.pi)
+    found = analysis.workspaces(
+        analysis.Arm(arm, arm.point("end_effector", "linear"), ranges={"joint_1": turn, "joint_2": turn})
+    )
+    row("the same by `analysis.workspaces`, which searches").equals(*np.ravel(found.path_dependent))
+
+
 def test_the_generalized_inertia(arm):
     angles = np.linspace(-np.pi, np.pi, 60, endpoint=False)
     q_1, q_2 = (one.ravel() for one in np.meshgrid(angles, angles))

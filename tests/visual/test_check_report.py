@@ -148,6 +148,25 @@ def test_the_page_says_what_the_document_says(check, name):
     assert page.tree.xpath("//h1")[0].text == name
 
 
+def test_hands_are_mapped(check):
+    """Of the published arm, whose workspaces tests/analysis/test_workspaces.py derives."""
+    _, _, page = check("planar_2r")
+    ((hand, rows, reach, free, singular, sigma, turn, wheels),) = page.rows("reach-table")
+    assert (hand, rows, reach) == ("end_effector", "position", "0 to 2.2872 m")
+    assert (free, singular) == ("0 to 1.4436 m", "1.4436 to 2.2872 m")
+    assert 0.0 < float(sigma) < 1e-3
+    assert 80.0 < float(turn.removesuffix(" deg")) < 88.0
+    assert wheels.startswith("0, 0, 13")
+
+
+def test_a_hand_that_cannot_be_mapped_says_why(check):
+    planar = joint("slide", "arm", kind="planar")
+    _, _, page = check(f"{link('base')}{link('arm')}{planar}")
+    ((hand, why),) = page.rows("reach-table")
+    assert hand == "arm"
+    assert why.startswith("not mapped: joint 'slide' is of type Planar: name joints that turn or slide")
+
+
 def test_masses_sum_to_the_total(check):
     _, document, page = check("chaser_24dof")
     rows = page.rows("mass-table")
