@@ -198,7 +198,7 @@ def _check(given: argparse.Namespace) -> tuple[int, str]:
         name = title(given.urdf)
         about = Provenance.of(file, name=name, command=given.command, project=given.project, author=given.author)
         hands = [] if robot is None or result.errors else _hands(given, robot, points)
-        more = {"name": name, "urdf": file, "package_dirs": folders, "hands": hands, "about": about}
+        more: dict[str, Any] = {"name": name, "urdf": file, "package_dirs": folders, "hands": hands, "about": about}
         if given.html:
             check_report.save(result, description, given.html, **more)
         if given.pdf:
