@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from ospace.urdf.source import Limits as Limits
 
 __version__ = "0.1.0"
+DOCUMENTATION = "https://ospace-robotics.github.io/ospace/"
 
 _HOME = {
     "SpaceRobot": "model.robot",
@@ -72,13 +73,14 @@ _HOME = {
     "ScenarioError": "scenario.errors",
     "DependentRowsError": "exceptions",
 }
+_PACKAGES = ("models", "analysis", "bridge", "control", "scenario", "simulation", "visual")
 __all__ = ["models"]
 __all__ += list(_HOME)
 
 
 def __getattr__(name: str) -> Any:
-    if name == "models":
-        return importlib.import_module("ospace.models")
+    if name in _PACKAGES:
+        return importlib.import_module(f"ospace.{name}")
     if name not in _HOME:
         raise AttributeError(f"module 'ospace' has no attribute '{name}'")
     value = getattr(importlib.import_module(f"ospace.{_HOME[name]}"), name)

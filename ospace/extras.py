@@ -9,8 +9,8 @@ from pathlib import Path
 
 from ospace.exceptions import OspaceError
 
-_TITLES = {"matplotlib": "Matplotlib", "meshcat": "MeshCat", "jinja2": "Jinja", "mujoco": "MuJoCo"}
-_EXTRAS = {"mujoco": "mujoco"}
+_TITLES = {"matplotlib": "Matplotlib", "meshcat": "MeshCat", "jinja2": "Jinja", "mujoco": "MuJoCo", "pandas": "pandas"}
+_EXTRAS = {"mujoco": "mujoco", "pandas": "dataframe"}
 """Which extra a module is of; ``visual`` where it is not named."""
 
 

@@ -5,6 +5,7 @@ import os
 import pytest
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.pop("COLUMNS", None)  # which workers of xdist set: what is printed is broken at it
 
 
 @pytest.fixture(scope="session")

@@ -20,6 +20,7 @@ PROVIDED_BY = {"pinocchio": "pin", "adam": "adam-robotics"}
 """Packages whose distribution says nothing of the modules that it installs."""
 OF_VISUAL = ("ospace/visual/", "ospace/benchmark/plot.py")
 OF_MUJOCO = ("ospace/bridge/mujoco.py",)
+OF_DATAFRAME = ("ospace/simulation/trajectory.py", "ospace/scenario/result.py")
 OF_BENCHMARKS = ("ospace/benchmark/codegen.py",)
 """Files that load only where the extra is asked for."""
 PEERS = [one for one in EXTRAS["benchmarks"] if one.startswith(("casadi", "adam-robotics"))]
@@ -67,14 +68,14 @@ def test_the_walk_sees_imports_in_functions_and_at_the_top():
 
 @pytest.mark.parametrize("module", sorted(IMPORTS))
 def test_every_import_is_declared(module):
-    declared = with_extras([*ALWAYS, *EXTRAS["visual"], *EXTRAS["mujoco"], *PEERS])
+    declared = with_extras([*ALWAYS, *EXTRAS["visual"], *EXTRAS["mujoco"], *EXTRAS["dataframe"], *PEERS])
     assert distributions(module) & declared, f"{module} is imported by {IMPORTS[module]} and not declared"
 
 
 @pytest.mark.parametrize("module", sorted(IMPORTS))
 def test_what_comes_with_an_extra_is_imported_by_the_parts_that_ask_for_it(module):
     """Everything else that is imported comes with a plain ``pip install ospace``."""
-    of_extras = ((OF_BENCHMARKS, PEERS), (OF_MUJOCO, EXTRAS["mujoco"]))
+    of_extras = ((OF_BENCHMARKS, PEERS), (OF_MUJOCO, EXTRAS["mujoco"]), (OF_DATAFRAME, EXTRAS["dataframe"]))
     files = next((files for files, extra in of_extras if distributions(module) & with_extras(extra)), OF_VISUAL)
     if not distributions(module) & with_extras(ALWAYS):
         assert [file for file in IMPORTS[module] if not file.startswith(files)] == []

@@ -15,12 +15,13 @@ from ospace.exceptions import OspaceError, closest
 from ospace.kernels.tree import Floats
 from ospace.model.points import Axes, OperationalPoint, parse_axes, points_of
 from ospace.model.state import State
+from ospace.results import Result
 
 BASES = ("floating", "fixed", "fixed attitude")
 
 
 @dataclass(frozen=True)
-class DisturbanceMap:
+class DisturbanceMap(Result):
     """Disturbance of the base by joint rates: singular values of rows of J_b*, and their directions.
 
     Attributes
@@ -39,7 +40,7 @@ class DisturbanceMap:
 
 
 @dataclass(frozen=True)
-class ImpulseMap:
+class ImpulseMap(Result):
     """Jumps of the velocities of a free-flying robot per unit impulse at a point.
 
     Attributes

@@ -22,13 +22,14 @@ from ospace.dynamics.joint_space import joint_space_dynamics
 from ospace.kernels.tree import Floats, Ints
 from ospace.model.points import Axes, OperationalPoint, parse_axes, points_of
 from ospace.model.state import State
+from ospace.results import Result
 
 RANK_CUTOFF = 1e-9
 """Singular values below this share of the largest count as zero, rows and columns over the roots of their inertias."""
 
 
 @dataclass(frozen=True)
-class NullSpace:
+class NullSpace(Result):
     """Joint rates that rows of a map take to zero.
 
     Attributes

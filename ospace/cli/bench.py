@@ -17,6 +17,13 @@ if TYPE_CHECKING:
     from ospace.benchmark.report import Benchmark
     from ospace.benchmark.timing import Ratio
 
+PAGE = "speed"
+EXAMPLES = (
+    "ospace bench",
+    "ospace bench robot.urdf --points 3 --seconds 0.2",
+    "ospace bench chaser_24dof --json --plot bench.svg",
+)
+
 
 def add_to(verbs: Any) -> None:
     """Describe the verb to argparse."""

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ospace.cli import output
 from ospace.cli.columns import Column, fit
 from ospace.cli.console import buffered_console, buffered_text, plain, show_findings, show_table, show_text
+from ospace.cli.dialect import shell
+from ospace.cli.streams import title
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -23,6 +25,15 @@ if TYPE_CHECKING:
     from ospace.validation.agreement import Agreement
     from ospace.validation.report import Report
 
+PAGE = "check"
+EXAMPLES = (
+    "ospace check chaser_24dof --point right_hand --point head",
+    "ospace check arm.urdf bus.urdf --json",
+    "ospace check robot.urdf.xacro hand:=true --package-dir ~/ros",
+    "ospace check robot.urdf --html report.html",
+    "ospace check robot.urdf --fix repaired.urdf",
+    "ospace check - < robot.urdf",
+)
 _MOST_POINTS = 50  # unless points are given: their matrices grow with the square of their number
 _COLOURS = {
     "agrees": "green",
@@ -47,7 +58,7 @@ _LIMITS = {
 
 def add_to(verbs: Any) -> None:
     """Describe the verb to argparse."""
-    from ospace.cli.main import takes_robot
+    from ospace.cli.main import takes_report, takes_robot
 
     verb = verbs.add_parser(
         "check",
@@ -58,10 +69,11 @@ def add_to(verbs: Any) -> None:
         "the verdict is undecided, with status 0.",
     )
     verb.add_argument(
-        "urdf",
+        "urdfs",
         metavar="URDF",
-        nargs="?",
-        help="a URDF, a xacro with its NAME:=VALUE..., or a robot that comes with ospace",
+        nargs="*",
+        help="a URDF, a xacro with its NAME:=VALUE..., or a robot that comes with ospace; - is standard input. Several "
+        "are checked one after the other",
     )
     verb.add_argument(
         "--point",
@@ -78,6 +90,7 @@ def add_to(verbs: Any) -> None:
     verb.add_argument(
         "--html", metavar="FILE", type=output.file, help="write a report with the robot to look at: one file"
     )
+    takes_report(verb)
     takes_robot(verb)
     verb.add_argument("--free-mimic", action="store_true", help="take joints that mimic others as independent ones")
     for name, what in _LIMITS.items():
@@ -86,9 +99,13 @@ def add_to(verbs: Any) -> None:
         "--frames", action="store_true", help="list links, joints and their limits as a table, and check no dynamics"
     )
     other = verb.add_mutually_exclusive_group()
-    other.add_argument("--fix", metavar="OUT", help="write a repaired copy of URDF, and check nothing")
+    other.add_argument("--fix", metavar="OUT", type=_repaired, help="write a repaired copy of URDF, and check nothing")
     other.add_argument("--explain", metavar="CODE", help="explain the code of a finding, and check nothing")
     verb.set_defaults(run=run, refuse_usage=verb.error)
+
+
+def _repaired(text: str) -> Path:
+    return output.file(text, ".urdf") if text == "-" else Path(text)
 
 
 def _count(text: str) -> int:
@@ -111,50 +128,87 @@ def _seed(text: str) -> int:
 
 def run(given: argparse.Namespace) -> tuple[int, str]:
     """Check; return the exit status and the text to print."""
-    if given.frames and (given.html or given.fix is not None or given.explain is not None):
-        given.refuse_usage("--frames lists what the file holds: give it without --html, --fix and --explain")
-    for option in ("json", "html"):
+    if given.frames and (given.html or given.pdf or given.fix is not None or given.explain is not None):
+        given.refuse_usage("--frames lists what the file holds: give it without --html, --pdf, --fix and --explain")
+    for option in ("json", "html", "pdf"):
         if getattr(given, option) and (given.fix is not None or given.explain is not None):
             given.refuse_usage(f"--{option} describes a check: give it without --fix and --explain")
     if given.explain is not None:
         from ospace.urdf.lint import explain
 
-        return 0, explain.text(given.explain)
-    if given.urdf is None:
+        return 0, shell(explain.text(given.explain))
+    if not given.urdfs:
         given.refuse_usage("give a URDF, or a code with --explain")
-    if given.frames:
-        return _frames(given)
-    return _fix(given) if given.fix is not None else _check(given)
+    one = _frames if given.frames else _fix if given.fix is not None else _check
+    if len(given.urdfs) > 1:
+        return _several(given, one)
+    given.urdf = given.urdfs[0]
+    return one(given)
+
+
+def _several(given: argparse.Namespace, one: Callable[[argparse.Namespace], tuple[int, str]]) -> tuple[int, str]:
+    """Check files one after the other; those that cannot be read are reported, and the rest goes on."""
+    from ospace.cli.main import EXIT_USAGE
+    from ospace.exceptions import OspaceError
+
+    for option in ("html", "pdf", "fix"):
+        if getattr(given, option):
+            given.refuse_usage(f"--{option} writes one file: give it with one URDF")
+    statuses, texts = [], []
+    for urdf in given.urdfs:
+        given.urdf = urdf
+        try:
+            status, text = one(given)
+            texts.append(text)
+        except OspaceError as error:
+            output.tell(f"error: {error}")
+            status = EXIT_USAGE
+        statuses.append(status)
+    worst = max(statuses)
+    if given.json:
+        return worst, "[\n" + ",\n".join(text.rstrip("\n") for text in texts) + "\n]\n"
+    return worst, "\n".join([*texts, f"{statuses.count(0)} of {len(statuses)} files without errors\n"])
 
 
 def _check(given: argparse.Namespace) -> tuple[int, str]:
-    from ospace.cli.main import EXIT_FINDINGS, EXIT_USAGE, find, package_dirs
+    from ospace.cli.main import EXIT_FINDINGS, EXIT_USAGE, check_report_options, find, package_dirs
     from ospace.extras import require_scene
 
-    if given.html:
+    if given.html or given.pdf:
         require_scene("a report")
+    check_report_options(given)
     file, folders = find(given.urdf), package_dirs(given)
-    output.distinct([file], [given.html])
-    output.writable(given.html)
+    output.distinct([file], [given.html, given.pdf])
+    output.writable(given.html, given.pdf)
     result, description, robot, points = _report(given, file, folders)
-    text = json.dumps(result.as_dict(), indent=2, allow_nan=False) + "\n" if given.json else _text(result, given.urdf)
+    text = (
+        json.dumps(result.as_dict(), indent=2, allow_nan=False) + "\n"
+        if given.json
+        else _text(result, title(given.urdf))
+    )
     status = EXIT_FINDINGS if result.errors else 0
-    if not given.html:
+    files = [path for path in (given.html, given.pdf) if path]
+    if not files:
         return status, text
 
     def report() -> None:
-        from ospace.visual import check_report
+        from ospace.visual import browser, check_report
+        from ospace.visual.provenance import Provenance
 
+        name = title(given.urdf)
+        about = Provenance.of(file, name=name, command=given.command, project=given.project, author=given.author)
         hands = [] if robot is None or result.errors else _hands(given, robot, points)
-        check_report.save(
-            result, description, given.html, name=given.urdf, urdf=file, package_dirs=folders, hands=hands
-        )
+        more: dict[str, Any] = {"name": name, "urdf": file, "package_dirs": folders, "hands": hands, "about": about}
+        if given.html:
+            check_report.save(result, description, given.html, **more)
+        if given.pdf:
+            browser.pdf(check_report.render(result, description, **more, background="paper"), given.pdf)
 
     given.refuse_if_interrupted()  # which an import may have swallowed: nothing is printed then
-    done = [output.printed(text), output.written(given.html, "report", report)]
+    done = [output.printed(text), output.written(files[0], "report", report)]
     if not all(done):
         return EXIT_USAGE, ""
-    return status, "" if given.json else f"wrote {given.html}\n"
+    return status, "" if given.json else "".join(f"wrote {path}\n" for path in files)
 
 
 def _hands(given: argparse.Namespace, robot: SpaceRobot, points: Sequence[OperationalPoint]) -> list[Overview]:
@@ -215,7 +269,7 @@ def _frames(given: argparse.Namespace) -> tuple[int, str]:
         free_mimic=given.free_mimic,
         root=given.root,
     )
-    text = frames.document(reading) if given.json else frames.table(reading, given.urdf)
+    text = frames.document(reading) if given.json else frames.table(reading, title(given.urdf))
     return EXIT_FINDINGS if reading.model is None else 0, text
 
 
@@ -225,7 +279,7 @@ def _fix(given: argparse.Namespace) -> tuple[int, str]:
     from ospace.urdf import reader, repair
     from ospace.validation.report_text import number
 
-    limits, out = _limits(given), Path(given.fix)
+    limits, out = _limits(given), given.fix
     folders = [Path(folder) for folder in package_dirs(given)]
     changes = repair.write(
         find(given.urdf), out, limits, package_dirs=folders, xacro_args=given.xacro_args, root=given.root

@@ -3,23 +3,29 @@
 from __future__ import annotations
 
 import argparse
-import math
-import textwrap
+import re
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ospace.cli import output
+from ospace.cli import output, streams
 from ospace.cli.columns import Column, fit
 from ospace.cli.console import buffered_console, buffered_text, plain, show_findings, show_text
 
 if TYPE_CHECKING:
     from ospace.urdf.composition.parts import Composition, Part, PlacedPart
 
-_WIDTH = 80
+PAGE = "compose"
+EXAMPLES = (
+    "ospace compose box:1.2x1x0.8m,250kg arm.urdf --at 0.6,0,0 \\",
+    "    --rpy 0,90,0deg --prefix arm_ --out servicer.urdf",
+    "ospace compose bus.urdf arm.urdf --out - | ospace check -",
+)
 _USAGE = """ospace compose BUS ARM [--at X,Y,Z] [--rpy R,P,Y] [--on LINK]
                       [--prefix WORD] [--remove LINK]... [NAME:=VALUE]...
                       [ARM ...] [--payload LINK BODY]...
                       [--package-dir DIR]... --out FILE"""
+_SPLIT = re.compile(r"([^a-zA-Z°]+(?:[eE][+-]?\d+)?|.*?)\s*((?:[a-zA-Z°].*)?)", re.DOTALL)
+"""A number, and its unit."""
 _ONCE = ("at", "rpy", "on", "prefix")
 _VALUES = {
     "--payload": 2,
@@ -34,27 +40,21 @@ def add_to(verbs: Any) -> None:
         "compose",
         help="put arms and payloads on a bus, as one URDF",
         usage=_USAGE,
-        allow_abbrev=False,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        description=textwrap.fill(
-            "Put arms on a bus and write the robot as one URDF. BUS and each ARM is a URDF, a xacro, the name of a "
-            "robot that comes with ospace, box:1x1x0.8m,250kg, cylinder:RADIUSxLENGTHm,MASSkg, sphere:RADIUSm,MASSkg, "
-            "or a mesh with its mass or density: bus.stl,250kg or bus.stl,120kg/m3 (bus.stl,250kg,mm where it is drawn "
-            "in millimetres). --at, --rpy, --on, --prefix and --remove belong to the ARM that they follow, as the "
-            "NAME:=VALUE of a xacro does. Of several ARMs in a row each takes one of every option that follows, in the "
-            "same order.",
-            _WIDTH,
-        )
-        + "\n\n"
-        + textwrap.fill(
-            "Exit status: 0 written, 1 written with findings of level error, 2 unreadable part, names that clash, "
-            "unwritable output or wrong usage, 130 interrupted.",
-            _WIDTH,
-        ),
+        description="Put arms on a bus and write the robot as one URDF. BUS and each ARM is a URDF, a xacro, the name "
+        "of a robot that comes with ospace, box:1x1x0.8m,250kg, cylinder:RADIUSxLENGTHm,MASSkg, sphere:RADIUSm,MASSkg, "
+        "or a mesh with its mass or density: bus.stl,250kg or bus.stl,120kg/m3 (bus.stl,250kg,mm where it is drawn in "
+        "millimetres). --at, --rpy, --on, --prefix and --remove belong to the ARM that they follow, as the NAME:=VALUE "
+        "of a xacro does. Of several ARMs in a row each takes one of every option that follows, in the same order.\n\n"
+        "Exit status: 0 written, 1 written with findings of level error, 2 unreadable part, names that clash, "
+        "unwritable output or wrong usage, 130 interrupted.",
     )
     verb.add_argument("--part", action=_InOrder, help=argparse.SUPPRESS)  # what `_marked` writes for BUS and ARM
     verb.add_argument(
-        "--at", metavar="X,Y,Z", type=_metres, action=_InOrder, help="where the ARM's root stands, m (default: 0,0,0)"
+        "--at",
+        metavar="X,Y,Z",
+        type=_metres,
+        action=_InOrder,
+        help="where the ARM's root stands, m; 60,0,0cm (default: 0,0,0)",
     )
     verb.add_argument(
         "--rpy",
@@ -109,7 +109,7 @@ def _marked(words: Sequence[str]) -> Iterator[str]:
     left = list(words)
     while left:
         word = left.pop(0)
-        if not word.startswith("-"):
+        if not word.startswith("-") or word == "-":
             yield f"--part={word}"
         elif _VALUES.get(word) == 1 and left and not left[0].startswith("--"):
             yield f"{word}={left.pop(0)}"
@@ -120,25 +120,31 @@ def _marked(words: Sequence[str]) -> Iterator[str]:
 
 
 def _metres(text: str) -> tuple[float, ...]:
-    return _three(text.removesuffix("m"), text, "0.5,0,0.4")
+    return _three(text, "length", "0.5,0,0.4 or 50,0,40cm")
 
 
 def _radians(text: str) -> tuple[float, ...]:
-    degrees = text.endswith("deg")
-    values = _three(text.removesuffix("deg").removesuffix("rad"), text, "0,1.5708,0 or 0,90,0deg")
-    return tuple(map(math.radians, values)) if degrees else values
+    return _three(text, "angle", "0,1.5708,0 or 0,90,0deg")
 
 
-def _three(text: str, given: str, example: str) -> tuple[float, ...]:
+def _three(text: str, dimension: str, example: str) -> tuple[float, ...]:
+    """Read three numbers, each with a unit, or with that of the last one, or in SI units."""
+    from ospace.quantities import parse
     from ospace.urdf.numbers import NumberError, number
 
+    words = [_SPLIT.fullmatch(word.strip()) for word in text.split(",")]
+    if len(words) == 1:
+        words = [_SPLIT.fullmatch(word) for word in text.split()]
+    if len(words) != 3:
+        raise argparse.ArgumentTypeError(f"'{text}' has {len(words)} numbers instead of 3: write {example}")
+    last = words[-1][2] if words[-1] else ""
     try:
-        values = tuple(number(word) for word in text.replace(",", " ").split())
+        pairs = [(number(word[1] or word[0]), word[2] or last) for word in words if word]
+        return tuple(parse(f"{value!r} {unit}" if unit else value, dimension) for value, unit in pairs)
     except NumberError as error:
-        raise argparse.ArgumentTypeError(f"'{given}' {error}: write {example}") from None
-    if len(values) != 3:
-        raise argparse.ArgumentTypeError(f"'{given}' has {len(values)} numbers instead of 3: write {example}")
-    return values
+        raise argparse.ArgumentTypeError(f"'{text}' {error}: write {example}") from None
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"'{text}': {error}; write {example}") from None
 
 
 def run(given: argparse.Namespace) -> tuple[int, str]:
@@ -149,7 +155,10 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     parts = _parts(given)
     output.distinct([part.file for part in parts if part.file is not None], [given.out])
     output.writable(given.out)
-    robot = compose(*parts, payloads=given.payload, out=given.out, package_dirs=package_dirs(given))
+    to_file = given.out if given.out != streams.current.pending else None  # whose relative paths are from this folder
+    robot = compose(*parts, payloads=given.payload, out=to_file, package_dirs=package_dirs(given))
+    if to_file is None:
+        given.out.write_bytes(robot.content)
     errors = any(finding.severity == "error" for finding in robot.findings)
     return EXIT_FINDINGS if errors else 0, _text(robot, str(given.out))
 

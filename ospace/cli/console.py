@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, cast
 
 from ospace.cli.columns import fit, wrap
+from ospace.cli.dialect import shell
 from ospace.exceptions import printable
 
 if TYPE_CHECKING:
@@ -83,7 +84,7 @@ def show_findings(console: Console, findings: Sequence[Finding], title: str = "F
     show_text(console, f"[bold]{plain(title)}[/]")
     for finding in findings:
         mark = f"[{SEVERITY_COLOURS.get(finding.severity, '')}]{finding.severity:8}[/]"
-        text = f"{mark} {finding.code}: {plain(finding.place)}: {plain(finding.message)}"
+        text = f"{mark} {finding.code}: {plain(finding.place)}: {plain(shell(finding.message))}"
         show_text(console, text, "  ", _BELOW_MARK)
         if finding.severity != "info":
-            show_text(console, plain(finding.remedy), _BELOW_MARK, _BELOW_MARK)
+            show_text(console, plain(shell(finding.remedy)), _BELOW_MARK, _BELOW_MARK)

@@ -9,16 +9,19 @@ from typing import Any
 from ospace.cli.columns import Column
 from ospace.cli.console import buffered_console, buffered_text, plain, show_table
 
-_KINDS = ("robots", "scenarios", "findings")
+PAGE = "command_line"
+EXAMPLES = ("ospace list", "ospace list scenarios", "ospace list examples", "ospace list findings --json")
+_KINDS = ("robots", "scenarios", "examples", "findings")
 
 
 def add_to(verbs: Any) -> None:
     """Describe the verb to argparse."""
     verb = verbs.add_parser(
         "list",
-        help="list robots and scenarios that come with ospace, and codes of findings",
-        description="List the robots and scenarios that come with ospace, by the names that other commands take, and "
-        "the codes of findings, which `ospace check --explain CODE` explains.",
+        help="list robots, scenarios and examples that come with ospace, and codes of findings",
+        description="List the robots and scenarios that come with ospace, by the names that other commands take, "
+        "scripts to run or to copy by their paths, and the codes of findings, which `ospace check --explain CODE` "
+        "explains.",
     )
     verb.add_argument("kind", metavar="KIND", nargs="?", choices=_KINDS, help=f"{', '.join(_KINDS)} (default: all)")
     verb.add_argument("--json", action="store_true", help="print one JSON document instead")
@@ -43,6 +46,8 @@ def _entries(kind: str) -> dict[str, str]:
 
     if kind == "robots":
         return {name: models.summary(name) for name in models.names()}
+    if kind == "examples":
+        return {str(file): models.example_summary(file) for file in models.examples()}
     if kind == "scenarios":
         return {name: models.scenario_summary(name) for name in models.scenarios()}
     from ospace.urdf.lint.rules import RULES

@@ -7,17 +7,19 @@ import importlib
 import io
 import os
 import re
+import shlex
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import ospace
-from ospace.cli import output
+from ospace.cli import os_errors, output, streams
 from ospace.cli.interrupts import Interrupts
 
 EXIT_FINDINGS, EXIT_USAGE, EXIT_INTERRUPTED = 1, 2, 130
-_VERBS = ("check", "compose", "view", "map", "run", "plot", "bench", "list")
+_VERBS = ("check", "compose", "view", "map", "run", "plot", "bench", "list", "completion")
 XACRO_VALUE = re.compile(r"([A-Za-z_]\w*):=(.*)", re.DOTALL)
 # The matrices here are small: threads of the linear algebra would wait for each other longer than they work.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -25,16 +27,44 @@ os.environ["MPLBACKEND"] = "agg"  # figures go into files, whatever windows the 
 _NO_MEMORY_TO_LOAD = ("failed to map segment", "cannot allocate memory")
 
 
-def parser() -> argparse.ArgumentParser:
-    """Build the parser of all verbs; each sets ``run``, which returns the exit status and the text to print."""
-    top = argparse.ArgumentParser(
-        prog="ospace", description="Operational-space dynamics of space robots, from URDF, checked against Pinocchio."
+class Help(argparse.HelpFormatter):
+    """Keeps paragraphs of a description apart, and lines that are indented as they are."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        return "\n\n".join(
+            part if "\n  " in part else super(Help, self)._fill_text(part, width, indent) for part in text.split("\n\n")
+        )
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser that takes no abbreviations, and whose help has paragraphs."""
+
+    def __init__(self, **given: Any) -> None:
+        super().__init__(allow_abbrev=False, formatter_class=Help, **given)
+
+
+def parser() -> Parser:
+    """Build the parser of all verbs; each sets ``run``, which returns the exit status and the text to print.
+
+    The help of a verb ends with the `EXAMPLES` of its module, and the address of its `PAGE`.
+    """
+    top = Parser(
+        prog="ospace",
+        description="Operational-space dynamics of space robots, from URDF, checked against Pinocchio.",
+        epilog=_epilog(("ospace check chaser_24dof", "ospace list"), "index"),
     )
-    top.add_argument("--version", action="version", version=f"ospace {ospace.__version__}")
+    top.add_argument("-V", "--version", action="version", version=f"ospace {ospace.__version__}")
     verbs = top.add_subparsers(dest="verb", metavar="VERB", required=True)
     for verb in _VERBS:
-        importlib.import_module(f"ospace.cli.{verb}").add_to(verbs)
+        module = importlib.import_module(f"ospace.cli.{verb}")
+        module.add_to(verbs)
+        verbs.choices[verb].epilog = _epilog(module.EXAMPLES, module.PAGE)
     return top
+
+
+def _epilog(examples: Sequence[str], page: str) -> str:
+    lines = "".join(f"\n  {one}" for one in examples)
+    return f"examples:{lines}\n\nMore: {ospace.DOCUMENTATION}{page}.html"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -54,11 +84,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with interrupts, warnings.catch_warnings():
             warnings.showwarning = lambda message, *where, **more: output.tell(str(message))
+            streams.current = streams.Streams()
             given = _parsed(list(sys.argv[1:] if arguments is None else arguments))
+            given.command = shlex.join(["ospace", *(sys.argv[1:] if arguments is None else arguments)])
             given.refuse_if_interrupted, given.clear_interrupt = interrupts.refuse, interrupts.clear
             status, text = given.run(given)
             interrupts.refuse()
-        return int(status) if output.printed(text) else EXIT_USAGE
+        return int(status) if output.printed(text) and output.delivered() else EXIT_USAGE
     except OspaceError as error:
         output.tell(f"error: {error}")
         return EXIT_USAGE
@@ -72,10 +104,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if _lacks_memory(error):
             output.tell("error: not enough memory")
         elif isinstance(error, OSError):
-            output.tell(f"error: {error}")
+            output.tell(f"error: {os_errors.text(error)}")
         else:
             raise
         return EXIT_USAGE
+    finally:
+        streams.current.close()
 
 
 def _lacks_memory(error: BaseException | None) -> bool:
@@ -91,14 +125,59 @@ def _parsed(arguments: list[str]) -> argparse.Namespace:
     """Parse; arguments of a xacro, NAME:=VALUE, may stand anywhere, as for xacro itself."""
     values = {match[1]: match[2] for match in map(XACRO_VALUE.fullmatch, arguments) if match}
     top = parser()
+    if not arguments:
+        top.print_help()
+        top.exit()
+    _check_verb(top, arguments[0])
     if arguments[:1] == ["compose"]:  # where they belong to the part before them
         return top.parse_args(arguments)
-    given = top.parse_args([argument for argument in arguments if not XACRO_VALUE.fullmatch(argument)])
+    given, unknown = top.parse_known_args([one for one in arguments if not XACRO_VALUE.fullmatch(one)])
+    if unknown:
+        _refuse_unknown(verbs_of(top)[given.verb], unknown)
     if values and "xacro_args" not in given:
         name, value = next(iter(values.items()))
         top.error(f"{name}:={value} is an argument of a xacro, which ospace {given.verb} does not read")
     given.xacro_args = values
     return given
+
+
+def verbs_of(top: Parser) -> Mapping[str, argparse.ArgumentParser]:
+    """Return the parsers of the verbs by their names."""
+    (verbs,) = (action for action in top._actions if isinstance(action, argparse._SubParsersAction))
+    return verbs.choices
+
+
+def _check_verb(top: Parser, verb: str) -> None:
+    from ospace.exceptions import closest, printable
+
+    if not verb.startswith("-") and verb not in _VERBS:
+        top.error(f"no verb '{printable(verb)}'{closest(verb, _VERBS)}")
+
+
+def _refuse_unknown(verb: argparse.ArgumentParser, unknown: Sequence[str]) -> None:
+    from ospace.exceptions import closest, printable
+
+    first = unknown[0].partition("=")[0]
+    near = closest(first, verb._option_string_actions) if first.startswith("--") else ""
+    verb.error(f"unrecognized arguments: {printable(' '.join(unknown))}{near.partition('; known')[0]}")
+
+
+def takes_report(verb: argparse.ArgumentParser) -> None:
+    """Let the verb print its report to PDF, and say whose it is."""
+    verb.add_argument("--pdf", metavar="FILE", type=output.pdf, help="print the report to PDF, by Chromium")
+    verb.add_argument("--project", metavar="TEXT", default="", help="project that the report is for")
+    verb.add_argument("--author", metavar="TEXT", default="", help="author of the report")
+
+
+def check_report_options(given: argparse.Namespace) -> None:
+    """Refuse what a report cannot be made with, or a word for one that is not made, before any work is done."""
+    for option in ("project", "author"):
+        if getattr(given, option) and not (given.html or given.pdf):
+            given.refuse_usage(f"--{option} is for a report: give it with --html or --pdf")
+    if given.pdf:
+        from ospace.visual import browser
+
+        browser.find()
 
 
 def takes_robot(verb: argparse.ArgumentParser) -> None:
@@ -120,6 +199,8 @@ def find(text: str, *, scenario: bool = False) -> Path:
     """Return the file, or the robot or scenario of that name that comes with ospace."""
     from ospace import models
 
+    if text == "-":
+        return streams.current.standard_input(".toml" if scenario else ".urdf")
     if os.path.lexists(text) or Path(text).name != text or Path(text).suffix:
         return Path(text)
     return models.scenario(text) if scenario else models.path(text)

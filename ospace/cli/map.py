@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ospace.cli import map_text, output
-from ospace.cli.pose import joint_values
+from ospace.cli.pose import joint_values, position
 
 if TYPE_CHECKING:
     from ospace.analysis.arm import Arm
@@ -20,6 +19,12 @@ if TYPE_CHECKING:
     from ospace.kernels.tree import Floats
     from ospace.model.robot import SpaceRobot
 
+PAGE = "map"
+EXAMPLES = (
+    "ospace map chaser_7dof",
+    "ospace map robot.urdf --point hand --what all --random 100000 --csv map.csv",
+    "ospace map robot.urdf --over shoulder,elbow=0:90deg --grid 50 --npz map.npz",
+)
 _WHAT = ("reach", "singularity", "base-turn", "level-base", "disturbance", "wheels")
 _RANDOM, _MOST = 20_000, 100_000_000
 
@@ -95,6 +100,8 @@ def _seed(text: str) -> int:
 
 
 def _npz(text: str) -> Path:
+    if text == "-":
+        return output.file(text, ".npz")
     if Path(text).suffix != ".npz":
         raise argparse.ArgumentTypeError(f"'{text}' does not end in .npz")
     return output.file(text)
@@ -126,7 +133,7 @@ def run(given: argparse.Namespace) -> tuple[int, str]:
     if not all(done):
         return EXIT_USAGE, ""
     if result.interrupted:
-        print(f"ospace: interrupted after {result.arm_map.count} of {result.wanted} postures", file=sys.stderr)
+        output.tell(f"interrupted after {result.arm_map.count} of {result.wanted} postures")
         return EXIT_INTERRUPTED, ""
     return 0, "" if given.json else "".join(f"wrote {path}\n" for path in filter(None, files))
 
@@ -174,10 +181,10 @@ def _arm(given: argparse.Namespace, robot: SpaceRobot) -> Arm:
     from ospace.model.joint_positions import excess_text
 
     frame = given.point or _only_hand(robot)
-    joints, ranges = _over(given.over)
+    joints, ranges = _over(given.over, robot)
     at = robot.configuration({**robot.joint_positions(robot.neutral()), **joint_values(given.pose, robot)})
     if beyond := robot.outside_limits(at):
-        print(f"ospace: warning: --pose is outside limits: {excess_text(robot.model, beyond)}", file=sys.stderr)
+        output.tell(f"warning: --pose is outside limits: {excess_text(robot.model, beyond)}")
     if given.axes:
         return Arm(robot, robot.point(frame, given.axes), joints or None, ranges, at)
     return default_arm(robot, robot.point(frame), joints or None, ranges, at)
@@ -197,7 +204,7 @@ def _only_hand(robot: SpaceRobot) -> str:
     raise OspaceError(f"several links may be the hand: give one with --point, such as {printable(carried[-1])}")
 
 
-def _over(text: str) -> tuple[list[str], dict[str, tuple[float, float]]]:
+def _over(text: str, robot: SpaceRobot) -> tuple[list[str], dict[str, tuple[float, float]]]:
     """Read joints and ranges, as ``name=low:high,name``."""
     from ospace.exceptions import OspaceError
 
@@ -208,10 +215,10 @@ def _over(text: str) -> tuple[list[str], dict[str, tuple[float, float]]]:
             raise OspaceError(f"--over '{part}': joint '{name}' is given twice")
         joints.append(name)
         if equals:
-            try:
-                low, high = map(float, span.split(":"))
-            except ValueError:
-                raise OspaceError(f"--over '{part}': write joint=low:high, rad or m, such as {name}=-1.5:1.5") from None
+            bounds = span.split(":")
+            if len(bounds) != 2:
+                raise OspaceError(f"--over '{part}': write joint=low:high, rad or m, such as {name}=-1.5:1.5")
+            low, high = (position(robot, f"--over '{part}'", name, bound) for bound in bounds)
             ranges[name] = low, high
     return joints, ranges
 

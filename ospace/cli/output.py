@@ -10,19 +10,33 @@ from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
 
+from ospace.cli import streams
+from ospace.cli.dialect import shell
+
 FIGURES = (".svg", ".png", ".pdf")
 _STANDARD_OUTPUT = 1
 
 
 def figure(text: str) -> Path:
     """Return the path of a figure, for argparse."""
+    if text == "-":
+        return file(text, FIGURES[0])
     if Path(text).suffix not in FIGURES:
         raise argparse.ArgumentTypeError(f"'{text}' ends neither in {' nor '.join(FIGURES)}")
     return file(text)
 
 
-def file(text: str) -> Path:
-    """Return the path of a file in a folder that is there, for argparse."""
+def pdf(text: str) -> Path:
+    """Return the path of a PDF, for argparse."""
+    if text != "-" and Path(text).suffix.lower() != ".pdf":
+        raise argparse.ArgumentTypeError(f"'{text}' does not end in .pdf")
+    return file(text, ".pdf")
+
+
+def file(text: str, suffix: str = "") -> Path:
+    """Return the path of a file in a folder that is there, for argparse; ``-`` is standard output, as `suffix` says."""
+    if text == "-":
+        return streams.current.standard_output(suffix)
     path = Path(text)
     if not path.parent.is_dir():
         raise argparse.ArgumentTypeError(f"'{text}': no such folder '{path.parent}'")
@@ -85,7 +99,7 @@ def tell(text: str) -> None:
     if sys.stderr is None:  # print would take standard output
         return
     with suppress(OSError):
-        print(printable_lines(f"ospace: {text}"), file=sys.stderr, flush=True)
+        print(printable_lines(f"ospace: {shell(streams.current.named(text))}"), file=sys.stderr, flush=True)
 
 
 def printed(text: str) -> bool:
@@ -96,13 +110,29 @@ def printed(text: str) -> bool:
         tell("error: cannot write the result: standard output is closed")
         return False
     try:
-        print(text, end="", flush=True)
+        if streams.current.pending is None:
+            print(text, end="", flush=True)
+        else:  # which standard output is for
+            print(streams.current.named(text), end="", file=sys.stderr)
     except OSError as error:
-        if not isinstance(error, BrokenPipeError):  # where the reader of a pipe has gone, nobody is left to read it
-            tell(f"error: cannot write the result: {error.strerror}")
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nothing may be written at exit either
-        return False
+        return _not_written(error)
     return True
+
+
+def delivered() -> bool:
+    """Write what ``-`` is to take to standard output; report where that fails, and return whether it was written."""
+    try:
+        streams.current.deliver()
+    except OSError as error:
+        return _not_written(error)
+    return True
+
+
+def _not_written(error: OSError) -> bool:
+    if not isinstance(error, BrokenPipeError):  # where the reader of a pipe has gone, nobody is left to read it
+        tell(f"error: cannot write the result: {error.strerror}")
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nothing may be written at exit either
+    return False
 
 
 def written(path: Path, what: str, write: Callable[[], object]) -> bool:

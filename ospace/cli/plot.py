@@ -7,10 +7,32 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ospace.cli import output
+from ospace.cli import output, streams
 
 if TYPE_CHECKING:
     from ospace.scenario.series import Series
+
+PAGE = "plot"
+EXAMPLES = (
+    "ospace plot grasp.npz",
+    "ospace plot before.npz after.npz --quantity torque --out torque.pdf",
+    "ospace plot - --out - < grasp.npz > grasp.svg",
+)
+QUANTITIES = (
+    *("position-error", "angle-error", "joint-error", "momentum-error", "angular-momentum-error"),
+    *(
+        "orientation",
+        "path",
+        "torque",
+        "unlimited-torque",
+        "momentum",
+        "energy",
+        "sigma-min",
+        "clearance",
+        "cycle-time",
+    ),
+)
+"""The names of `ospace.scenario.series.TITLES`, which would take seconds to load."""
 
 
 def add_to(verbs: Any) -> None:
@@ -18,32 +40,22 @@ def add_to(verbs: Any) -> None:
     verb = verbs.add_parser(
         "plot",
         help="draw the curves of a run that was logged",
-        formatter_class=_Help,
         description="Draw what a run left behind over time, from the file of `ospace run --log`; the same of a second "
         "run, dashed, over it. Exit status: 0 drawn, 2 unreadable log, unknown quantity, unwritable output or wrong "
         "usage, 130 interrupted.",
     )
-    verb.add_argument("log", metavar="LOG.npz", type=Path, help="what `ospace run --log` wrote")
-    verb.add_argument("other", metavar="LOG2.npz", type=Path, nargs="?", help="another run to compare")
-    verb.add_argument("--quantity", metavar="NAME", action="append", help=_Help.LATER)
+    verb.add_argument("log", metavar="LOG.npz", type=_log, help="what `ospace run --log` wrote; - is standard input")
+    verb.add_argument("other", metavar="LOG2.npz", type=_log, nargs="?", help="another run to compare")
+    what = f"what to draw, can be given again (default: all): {', '.join(QUANTITIES)}"
+    verb.add_argument("--quantity", metavar="NAME", action="append", help=what)
     verb.add_argument(
         "--out", metavar="FILE", type=output.figure, help="where to: .svg, .png or .pdf (default: LOG.svg, here)"
     )
     verb.set_defaults(run=run)
 
 
-class _Help(argparse.HelpFormatter):
-    """Look up the names of quantities when help is printed, since that takes as long as all of ospace."""
-
-    LATER = "what to draw, can be given again (default: all): {names}"
-
-    def _expand_help(self, action: argparse.Action) -> str:
-        text = super()._expand_help(action)
-        if action.help != self.LATER:
-            return text
-        from ospace.scenario.series import TITLES
-
-        return text.format(names=", ".join(TITLES))
+def _log(text: str) -> Path:
+    return streams.current.standard_input(".npz") if text == "-" else Path(text)
 
 
 def run(given: argparse.Namespace) -> tuple[int, str]:

@@ -23,8 +23,20 @@ def joint_values(text: str, robot: SpaceRobot) -> dict[str, float]:
             )
         if name in positions:
             raise OspaceError(f"--pose '{part}': joint '{name}' is given twice")
-        try:
-            positions[name] = float(value)
-        except ValueError:
-            raise OspaceError(f"--pose '{part}': '{value}' is not a number in rad or m") from None
+        positions[name] = position(robot, f"--pose '{part}'", name, value)
     return positions
+
+
+def position(robot: SpaceRobot, option: str, name: str, value: str) -> float:
+    """Read a position of a joint, with a unit or in rad or m; the message of an `OspaceError` begins with `option`."""
+    from ospace.exceptions import OspaceError
+    from ospace.model.joint_positions import in_si
+
+    try:
+        return float(value)
+    except ValueError:
+        joint = robot.model.joints[robot.joint_number(name)]
+    try:
+        return float(in_si(joint, name, value))
+    except OspaceError as error:
+        raise OspaceError(f"{option}: {error}") from None

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from ospace.cli import output
 from ospace.cli.columns import Column, fit
 from ospace.cli.console import buffered_console, buffered_text, plain, show_table, show_text
+from ospace.cli.streams import title
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -22,6 +23,14 @@ if TYPE_CHECKING:
     from ospace.scenario.result import PhaseResult
     from ospace.visual.live import Live
 
+PAGE = "scenario"
+EXAMPLES = (
+    "ospace run grasp",
+    "ospace run mission.toml --check",
+    "ospace run mission.toml --log mission.npz --html report.html",
+    "ospace run grasp --log - --headless | ospace plot - --out grasp.svg",
+    "ospace run mission.toml --plugin my_tasks",
+)
 _COLOURS = {"complete": "green", "interrupted": "yellow"}
 _TICK = 0.05
 """Simulated time from one move of the progress bar to the next, s."""
@@ -29,6 +38,8 @@ _TICK = 0.05
 
 def add_to(verbs: Any) -> None:
     """Describe the verb to argparse."""
+    from ospace.cli.main import takes_report
+
     verb = verbs.add_parser(
         "run",
         help="run a scenario and certify the run",
@@ -42,6 +53,7 @@ def add_to(verbs: Any) -> None:
     verb.add_argument("--log", metavar="FILE", type=_log, help="write everything to a file: .npz")
     verb.add_argument("--csv", metavar="DIR", type=Path, help="write everything to a folder of CSV files")
     verb.add_argument("--html", metavar="FILE", type=output.file, help="write a report with the animation: one file")
+    takes_report(verb)
     verb.add_argument("--view", action="store_true", help="play it in a browser as it runs; Ctrl-C ends the view")
     verb.add_argument(
         "--plugin",
@@ -52,7 +64,7 @@ def add_to(verbs: Any) -> None:
         "runs. It lies beside the scenario, in this folder, or is installed (repeatable)",
     )
     verb.add_argument("--headless", action="store_true", help="no progress bar")
-    verb.set_defaults(run=run)
+    verb.set_defaults(run=run, refuse_usage=verb.error)
 
 
 class _Schema(argparse.Action):
@@ -69,6 +81,8 @@ class _Schema(argparse.Action):
 
 
 def _log(text: str) -> Path:
+    if text == "-":
+        return output.file(text, ".npz")
     if Path(text).suffix != ".npz":
         raise argparse.ArgumentTypeError(f"'{text}' does not end in .npz")
     return output.file(text)
@@ -77,31 +91,32 @@ def _log(text: str) -> Path:
 def run(given: argparse.Namespace) -> tuple[int, str]:
     """Run; return the exit status and the text to print."""
     from ospace.cli import progress
-    from ospace.cli.main import EXIT_FINDINGS, EXIT_INTERRUPTED, EXIT_USAGE, find
+    from ospace.cli.main import EXIT_FINDINGS, EXIT_INTERRUPTED, EXIT_USAGE, check_report_options, find
     from ospace.dynamics.workspace import compile_kernels
     from ospace.extras import require, require_scene
     from ospace.scenario import load
 
-    if given.html or given.view:
+    if given.html or given.pdf or given.view:
         require_scene("a scene")
-    if given.html:
+    if given.html or given.pdf:
         require("matplotlib", "a report")
+    check_report_options(given)
     file = find(given.scenario, scenario=True)
-    output.distinct([file], [given.log, given.csv, given.html])
+    output.distinct([file], [given.log, given.csv, given.html, given.pdf])
     with nullcontext() if given.headless else progress.bar(given, "reading the scenario", 1):
         compile_kernels()
         sys.path[:0] = [str(file.parent), str(Path.cwd())] if given.plugin else []
         scenario = load(file, given.plugin)
     if given.check:
-        return 0, _valid(scenario, given.scenario, _rehearsed(given, scenario))
-    output.writable(given.log, given.html)
+        return 0, _valid(scenario, title(given.scenario), _rehearsed(given, scenario))
+    output.writable(given.log, given.html, given.pdf)
     if given.csv:
         given.csv.mkdir(parents=True, exist_ok=True)
     with _live(given, scenario) if given.view else nullcontext() as live:
         result = _run(given, scenario, live.watch if live else None)
         done = [
             *_write_outputs(given, result),
-            output.printed(_text(result, given.scenario)),
+            output.printed(_text(result, title(given.scenario))),
             _write_report(given, result),
         ]
         if result.interrupted:
@@ -144,19 +159,30 @@ def _write_outputs(given: argparse.Namespace, result: Run) -> Iterator[bool]:
 
 
 def _write_report(given: argparse.Namespace, result: Run) -> bool:
-    """Draw the report, if --html is given; return whether nothing failed."""
+    """Draw the report, if --html or --pdf is given; return whether nothing failed."""
     from ospace.cli import progress
 
-    if not given.html:
+    if not (given.html or given.pdf):
         return True
 
     def report() -> None:
-        from ospace.visual import run_report
+        from ospace.visual import browser, run_report
+        from ospace.visual.provenance import Provenance
 
-        run_report.save(result, given.html)
+        about = Provenance.of(
+            result.scenario.path,
+            name=title(given.scenario),
+            command=given.command,
+            project=given.project,
+            author=given.author,
+        )
+        if given.html:
+            run_report.save(result, given.html, about)
+        if given.pdf:
+            browser.pdf(run_report.render(result, about, "paper"), given.pdf)
 
     with nullcontext() if given.headless else progress.bar(given, "drawing the report", 1):
-        return output.written(given.html, "report", report)
+        return output.written(given.html or given.pdf, "report", report)
 
 
 @contextmanager
@@ -165,7 +191,7 @@ def _live(given: argparse.Namespace, scenario: Scenario) -> Iterator[Live]:
     from ospace.visual.live import Live
 
     with Live(scenario) as live:
-        print(f"{given.scenario} at {live.address}: runs when the page is opened (Ctrl-C ends)", flush=True)
+        print(f"{title(given.scenario)} at {live.address}: runs when the page is opened (Ctrl-C ends)", flush=True)
         live.wait()
         yield live
 

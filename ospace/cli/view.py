@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from ospace.cli import output
 from ospace.cli.pose import joint_values
+from ospace.cli.streams import title
 
 if TYPE_CHECKING:
     from ospace.kernels.tree import Floats
@@ -19,6 +20,12 @@ if TYPE_CHECKING:
     from ospace.visual import Scene
     from ospace.visual.page import Content
 
+PAGE = "view"
+EXAMPLES = (
+    "ospace view chaser_24dof --sweep",
+    "ospace view robot.urdf --pose elbow=20deg,wrist=-0.3",
+    "ospace view robot.urdf --html robot.html --screenshot robot.png",
+)
 _FRAME = 1.0 / 30.0  # s from one picture of a sweep to the next
 _WAIT = 0.2  # s
 
@@ -50,7 +57,8 @@ def add_to(verbs: Any) -> None:
         "--pose",
         metavar="JOINT=VALUE,...",
         default="",
-        help="joint positions, rad or m; others are 0, or inside their limits where 0 is not",
+        help="joint positions, rad or m, or with a unit, as elbow=20deg; others are 0, or inside their limits where 0 "
+        "is not",
     )
     verb.add_argument(
         "--layers",
@@ -80,6 +88,8 @@ def add_to(verbs: Any) -> None:
 
 
 def _picture(text: str) -> Path:
+    if text == "-":
+        return output.file(text, ".png")
     if Path(text).suffix.lower() != ".png":
         raise argparse.ArgumentTypeError(f"'{text}' does not end in .png")
     return output.file(text)
@@ -270,7 +280,7 @@ def _serve(
     from ospace.visual.server import LOOPBACK, Server
 
     with Server(content, given.host or LOOPBACK, given.port) as server:
-        print(f"{given.urdf} at {server.address} (Ctrl-C ends)\n{text}", end="", flush=True)
+        print(f"{title(given.urdf)} at {server.address} (Ctrl-C ends)\n{text}", end="", flush=True)
         try:
             while True:
                 if play is not None and server.viewers:

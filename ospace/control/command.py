@@ -13,6 +13,7 @@ from ospace.control.clearance import Nearest
 from ospace.control.shortfall import Shortfall, TaskResidual, shortfall, shown
 from ospace.kernels.tree import Floats, Ints
 from ospace.model.joint_positions import with_units
+from ospace.results import Result
 
 Status = Literal["nominal", "falling short", "softened", "outside limits", "degraded", "stopped"]
 _CAUSES = ("position", "velocity", "acceleration")
@@ -60,7 +61,7 @@ class Timing:
 
 
 @dataclass(frozen=True)
-class Command:
+class Command(Result):
     """Command of a control cycle.
 
     Attributes

@@ -16,7 +16,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from ospace.checks import check_kind, checked_number, checked_vector
-from ospace.control.base import Base, parse_base
+from ospace.control.base import MODES, Base, parse_base
 from ospace.control.clearance import Clearance
 from ospace.control.clearance_rows import ClearanceRows
 from ospace.control.command import Command, CommandLayout, Status, Timing
@@ -217,6 +217,13 @@ class Controller:
                 self._set_reference(t, task.reference)
         self._completion = CompletionWatch(self.tasks, first, self._tasks.rows)
         self._connect()
+
+    def __repr__(self) -> str:
+        named = [name for name, mode in MODES.items() if mode == self.base]
+        tasks = ", ".join(f"{type(task).__name__} '{task.name}'" for task in self.tasks)
+        solver = self._solver if isinstance(self._solver, str) else getattr(self._solver, "__name__", "of your own")
+        base = named[0] if named else repr(self.base)
+        return f"Controller('{self.robot.name}', [{tasks}], base={base}, period={self.period:g} s, solver={solver})"
 
     def warm_up(self) -> None:
         """Load all that the first `update` would load: compiled kernels, or compile them, and the solver.

@@ -26,6 +26,7 @@ from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint, points_of, rows_of
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
+from ospace.results import Result
 
 CHUNK = 512
 _BITS = {name: bits for name, bits in BITS.items() if name not in ("jacobian", "generalized_bias")}
@@ -55,7 +56,7 @@ _NOTHING = {
 
 
 @dataclass(frozen=True)
-class OperationalSpaceBatch:
+class OperationalSpaceBatch(Result):
     """Results of many states, leading axis N; None where a quantity was not asked for.
 
     Rows of a state that cannot be computed hold zeros, and its number stands in `bad`.

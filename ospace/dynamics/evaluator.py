@@ -239,6 +239,10 @@ class OperationalSpaceEvaluator:
         projector: Floats = np.eye(self.robot.nv) - self.dynamically_consistent_inverse @ self.jacobian
         return projector
 
+    def __repr__(self) -> str:
+        points = ", ".join(map(repr, self.points))
+        return f"OperationalSpaceEvaluator('{self.robot.name}', [{points}], quantities={self.quantities})"
+
     def __reduce__(self) -> tuple[Any, ...]:
         """Copy by making another of its own memory, that holds the same numbers."""
         held = self._known, self._stands, self._run.rank, self._memory

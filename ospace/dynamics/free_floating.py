@@ -12,10 +12,11 @@ from ospace.kernels import evaluation as kernel
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint, points_of
 from ospace.model.state import State
+from ospace.results import Result
 
 
 @dataclass(frozen=True)
-class FreeFloating:
+class FreeFloating(Result):
     """The terms of (12): ẍ_e + μ = J_m* H_m*⁻¹ τ + Γ_e⁻¹ F_e, for r rows; inertial axes, at the points.
 
     Attributes

@@ -10,10 +10,11 @@ from ospace.kernels import evaluation as kernel
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint
 from ospace.model.state import State
+from ospace.results import Result
 
 
 @dataclass(frozen=True)
-class GeneralizedJacobian:
+class GeneralizedJacobian(Result):
     """ẋ_b = J_b* φ̇ + H_b⁻¹ M_0 (2) and ẋ_e = J_m* φ̇ + J_b H_b⁻¹ M_0 (4); inertial axes, at base and points.
 
     Attributes

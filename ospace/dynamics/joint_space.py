@@ -12,10 +12,11 @@ from ospace.dynamics import workspace
 from ospace.kernels import evaluation as kernel
 from ospace.kernels.tree import Floats
 from ospace.model.state import State
+from ospace.results import Result
 
 
 @dataclass(frozen=True)
-class JointSpaceDynamics:
+class JointSpaceDynamics(Result):
     """The terms of (6): [H_b H_bm; H_bmᵀ H_m] [ẍ_b; φ̈] + [c_b; c_m] = [F_b; τ] + J_eᵀ F_e.
 
     Base rows in inertial axes at the base-link frame's origin, ẍ_b classical.
@@ -42,7 +43,7 @@ class JointSpaceDynamics:
 
 
 @dataclass(frozen=True)
-class GeneralizedDynamics:
+class GeneralizedDynamics(Result):
     """The terms of (7): H_m* φ̈ + c_m* = τ + J_b*ᵀ F_b + J_m*ᵀ F_e.
 
     Attributes

@@ -17,13 +17,14 @@ from ospace.kernels import evaluation as kernel
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint, points_of
 from ospace.model.state import State
+from ospace.results import Result
 
 METHODS = ("pv_osimr", "forward", "inverted", "dense")
 _ALL = kernel.MOBILITY | kernel.INERTIA | kernel.BIAS | kernel.JACOBIAN
 
 
 @dataclass(frozen=True)
-class OperationalSpace:
+class OperationalSpace(Result):
     """The terms of (8): Γ_e ẍ_e + μ_e = F_e^in + F_e, for r rows; inertial axes, at the points.
 
     Attributes

@@ -13,9 +13,11 @@ import pinocchio as pin
 from ospace.checks import real_numbers
 from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
+from ospace.quantities import parse
 
-Position: TypeAlias = float | Floats | Any
-"""Angle or displacement; (x, y, θ) of a planar joint; `pin.SE3` of a floating one; Pinocchio's numbers of any other."""
+Position: TypeAlias = float | str | Floats | Any
+"""Angle or displacement, also as text with a unit, ``"20 deg"``; (x, y, θ) of a planar joint; `pin.SE3` of a floating
+one; Pinocchio's numbers of any other."""
 ROUNDING = 1e-9
 """Excess over a limit that counts as rounding, rad or m."""
 _IN_METRES = ("PX", "PY", "PZ", "PrismaticUnaligned", "Translation", "Planar", "FreeFlyer")
@@ -42,7 +44,7 @@ def to_q(joint: pin.JointModel, name: str, value: Position) -> Floats:
         if isinstance(value, pin.SE3):
             raise OspaceError(f"joint '{name}' takes {wanted} number(s), not a pose")
         try:
-            numbers = np.atleast_1d(real_numbers(value))
+            numbers = np.atleast_1d(real_numbers(in_si(joint, name, value)))
         except (TypeError, ValueError):
             numbers = np.empty(0)
         if numbers.shape != (wanted,):
@@ -52,6 +54,27 @@ def to_q(joint: pin.JointModel, name: str, value: Position) -> Floats:
     if kind in ("angle", "planar"):
         numbers = np.r_[numbers[:-1], np.cos(numbers[-1]), np.sin(numbers[-1])]
     return np.asarray(numbers, dtype=float)
+
+
+def in_si(joint: pin.JointModel, name: str, value: Position) -> Position:
+    """Return a position with text read, as ``"20 deg"``, in rad or m; raises `OspaceError` for text of another kind."""
+    if isinstance(value, list | tuple):
+        dimensions = ("length", "length", "angle") if _kind(joint) == "planar" else (_dimension(joint),) * len(value)
+        return [_read(name, one, dimension) for one, dimension in zip(value, dimensions, strict=False)]
+    return _read(name, value, _dimension(joint))
+
+
+def _read(name: str, value: Any, dimension: str) -> Any:
+    if not isinstance(value, str):
+        return value
+    try:
+        return parse(value, dimension)
+    except ValueError as error:
+        raise OspaceError(f"position of joint '{name}': {error}") from None
+
+
+def _dimension(joint: pin.JointModel) -> str:
+    return "length" if unit_of(joint) == "m" else "angle"
 
 
 def from_q(joint: pin.JointModel, numbers: Floats) -> Position:

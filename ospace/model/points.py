@@ -44,6 +44,24 @@ class OperationalPoint:
     joint: int = field(repr=False)
     placement: pin.SE3 = field(repr=False)
 
+    def __repr__(self) -> str:
+        named = next((name for name, taken in _NAMED_AXES.items() if taken == self.axes), None)
+        rows = (
+            f"'{named}'"
+            if named
+            else ", ".join(name for name, taken in zip(ROW_NAMES, self.axes, strict=True) if taken)
+        )
+        offset = self.robot.frame(self.frame).placement.actInv(self.placement)
+        shown = ""
+        if not offset.isIdentity(1e-12):
+            at, turn = (
+                np.round(offset.translation, 6) + 0.0,
+                np.round(np.rad2deg(pin.rpy.matrixToRpy(offset.rotation)), 4),
+            )
+            shown = f", offset=({', '.join(f'{x:g}' for x in at)}) m"
+            shown += f", rpy ({', '.join(f'{x:g}' for x in turn + 0.0)}) deg" if turn.any() else ""
+        return f"OperationalPoint('{self.frame}', {rows}{shown})"
+
     @cached_property
     def key(self) -> tuple[int, tuple[bool, ...], bytes]:
         """Numbers that kernels know of the point: equal for points that they cannot tell apart."""

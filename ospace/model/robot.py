@@ -13,10 +13,11 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from ospace import models
 from ospace.checks import checked_numbers, checked_vector
 from ospace.exceptions import OspaceError, closest
 from ospace.kernels.tree import Floats
-from ospace.model.joint_positions import ROUNDING, BoundedCoordinates, Position, from_q, to_q
+from ospace.model.joint_positions import ROUNDING, BoundedCoordinates, Position, from_q, in_si, to_q
 from ospace.model.layout import BASE_NQ, BASE_NV, Layout
 from ospace.model.mimic import FreeJoints, couplings_of
 from ospace.model.points import ROW_NAMES, Axes, OperationalPoint, parse_axes
@@ -89,7 +90,8 @@ class SpaceRobot(Layout):
         Parameters
         ----------
         path : path-like
-            The file; a xacro is one whose name ends in ``.xacro``.
+            The file; a xacro is one whose name ends in ``.xacro``. Or the name of a robot that comes with ospace, as
+            ``"chaser_24dof"``.
         package_dirs : sequence of path-like
             Folders in which ``package://`` mesh names are looked up, which dynamics do not need, and
             ``$(find package)`` of a xacro.
@@ -121,7 +123,7 @@ class SpaceRobot(Layout):
         """
         if not isinstance(path, str | PathLike):
             raise OspaceError(f"path {path!r}: give the path of a URDF")
-        file, folders = Path(path), [Path(folder) for folder in package_dirs]
+        file, folders = models.find(path), [Path(folder) for folder in package_dirs]
         reading = reader.read(
             file, package_dirs=folders, xacro_args=xacro_args, limits=limits, free_mimic=free_mimic, root=root
         )
@@ -253,7 +255,8 @@ class SpaceRobot(Layout):
         Parameters
         ----------
         joints : mapping of joint name to position
-            Angle (rad) or displacement (m) for joints of one degree of freedom, continuous ones included;
+            Angle (rad) or displacement (m) for joints of one degree of freedom, continuous ones included, also as text
+            with a unit, as ``"20 deg"``;
             (x, y, θ) for planar, `pin.SE3` for floating ones; Pinocchio's own numbers for any other type.
         T_WB : pin.SE3, optional
             Pose of the base in the inertial frame; identity without it.
@@ -288,7 +291,8 @@ class SpaceRobot(Layout):
         Parameters
         ----------
         joints : mapping of joint name to (N,) array or number
-            Angles (rad) or displacements (m) of joints with one degree of freedom; a number stands for all rows.
+            Angles (rad) or displacements (m) of joints with one degree of freedom, or text with a unit; one number
+            stands for all rows.
         T_WB : pin.SE3, optional
             Pose of the base in the inertial frame, in all rows; identity without it.
 
@@ -304,7 +308,10 @@ class SpaceRobot(Layout):
         """
         if not isinstance(joints, Mapping):
             raise OspaceError(f"joints {joints!r}: give a mapping of joint names to arrays of positions")
-        values = {name: checked_numbers(given, f"positions of joint '{name}'") for name, given in joints.items()}
+        values = {
+            name: checked_numbers(self._in_si(name, given), f"positions of joint '{name}'")
+            for name, given in joints.items()
+        }
         lengths = {name: len(value) for name, value in values.items() if value.ndim == 1}
         if any(value.ndim > 1 for value in values.values()) or len(set(lengths.values())) > 1:
             raise OspaceError(
@@ -321,6 +328,9 @@ class SpaceRobot(Layout):
                 )
             Q[:, k : k + joint.nq] = value[..., None] if joint.nq == 1 else np.stack([np.cos(value), np.sin(value)], -1)
         return Q
+
+    def _in_si(self, name: str, given: Any) -> Any:
+        return in_si(self.model.joints[self.joint_number(name)], name, given) if _has_text(given) else given
 
     def joint_positions(self, q: npt.ArrayLike) -> dict[str, Position]:
         """Read joint positions by name from `q`, the inverse of `configuration`; continuous joints in (−π, π].
@@ -464,6 +474,10 @@ class SpaceRobot(Layout):
 
     def __repr__(self) -> str:
         return f"SpaceRobot('{self.name}', nv={self.nv}, total_mass={self.total_mass:.6g} kg)"
+
+
+def _has_text(given: object) -> bool:
+    return isinstance(given, str) or (isinstance(given, list | tuple) and any(isinstance(one, str) for one in given))
 
 
 def _coupled(

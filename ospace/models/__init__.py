@@ -1,7 +1,12 @@
-"""The robots and scenarios that come with ospace, by name: sources and assumptions stand in each file's header."""
+"""The robots, scenarios and examples that come with ospace, by name.
+
+Sources and assumptions of a robot stand in the header of its file.
+"""
 
 from __future__ import annotations
 
+import ast
+import os
 import re
 import tomllib
 from pathlib import Path
@@ -45,6 +50,26 @@ def path(name: str) -> Path:
     if name not in names():
         raise OspaceError(f"'{name}' is neither a file nor a model that comes with ospace{closest(name, names())}")
     return _folder() / f"{name}.urdf"
+
+
+def find(text: str | os.PathLike[str], *, scenarios: bool = False) -> Path:
+    """Return the file of that path; where there is none, the file of that name that comes with ospace.
+
+    Parameters
+    ----------
+    text : path-like
+        As ``"arm.urdf"``, or ``"chaser_24dof"``.
+    scenarios : bool
+        Look among scenarios, not among robots.
+
+    Returns
+    -------
+    Path
+    """
+    given = Path(text)
+    files = (_folder() / "scenarios").glob("*.toml") if scenarios else _folder().glob("*.urdf")
+    known = {file.stem: file for file in files}
+    return given if os.path.lexists(given) else known.get(os.fspath(text), given)
 
 
 def summary(name: str) -> str:
@@ -122,3 +147,33 @@ def scenario_summary(name: str) -> str:
         No scenario of that name comes with ospace.
     """
     return str(tomllib.loads(scenario(name).read_text(encoding="utf-8")).get("name", ""))
+
+
+def examples() -> list[Path]:
+    """Return the example scripts that come with ospace, to be run or copied.
+
+    Returns
+    -------
+    list of Path
+        In alphabetical order.
+    """
+    installed = Path(__file__).parents[1] / "examples"
+    folder = installed if installed.is_dir() else Path(__file__).parents[2] / "examples"
+    return sorted(folder.glob("*.py"))
+
+
+def example_summary(file: Path) -> str:
+    """Return the first sentence of an example.
+
+    Parameters
+    ----------
+    file : Path
+        One of `examples`.
+
+    Returns
+    -------
+    str
+    """
+    text = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
+    lines = [line for line in text.splitlines() if line.strip("=-~ ")]  # a title may be underlined
+    return lines[0].rstrip(".") if lines else ""

@@ -65,7 +65,7 @@ def load(path: str | os.PathLike[str], plugins: Iterable[str] = ()) -> Scenario:
     OspaceError
         A plugin cannot be imported.
     """
-    file = Path(path)
+    file = models.find(path, scenarios=True)
     source = _text(file)
     for pattern, what in _ENDLESS.items():
         if found := pattern.search(source):

@@ -22,15 +22,18 @@ import ospace
 from ospace.exceptions import OspaceError, printable
 from ospace.files import replacing
 from ospace.kernels.tree import Floats
-from ospace.scenario.result import BASE, PhaseResult, Run, Segment, Verdict
+from ospace.results import Result
+from ospace.scenario import run_table
+from ospace.scenario.result import BASE, PhaseResult, Run, Segment, Verdict, outcomes
 from ospace.scenario.schema import TARGET
 from ospace.simulation import Certificate, Excess, Trajectory
 from ospace.simulation.certificate import LIMITS
+from ospace.simulation.columns import Names, quoted
 from ospace.stored import WRONG_KIND, arrays, fit, fit_times, made
 
 
 @dataclass(frozen=True, eq=False)
-class TargetMotion:
+class TargetMotion(Result):
     """A target that moves by itself.
 
     Attributes
@@ -52,7 +55,7 @@ class TargetMotion:
 
 
 @dataclass(frozen=True, eq=False)
-class LoggedSegment:
+class LoggedSegment(Result):
     """Part of a run with one and the same robot.
 
     Attributes
@@ -123,6 +126,9 @@ class Log(Verdict):
         )
 
     __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        return f"Log('{self.name}', {outcomes(self)})"
 
 
 def of(run: Run) -> Log:
@@ -318,7 +324,9 @@ def _sizes(*values: float) -> None:
 
 
 def to_csv(run: Run, folder: str | os.PathLike[str]) -> list[Path]:
-    """Write a run to a folder: ``phases.csv``, ``errors_<k>_<phase>.csv``, and a folder for each segment.
+    """Write a run to a folder: all in ``run.csv``; and by parts.
+
+    These are ``phases.csv``, ``errors_<k>_<phase>.csv``, and a folder for each segment. Headings name joints and units.
 
     Parameters
     ----------
@@ -333,27 +341,27 @@ def to_csv(run: Run, folder: str | os.PathLike[str]) -> list[Path]:
     """
     to = Path(folder)
     to.mkdir(parents=True, exist_ok=True)
+    written = [run_table.write(run, to / "run.csv"), to / "phases.csv"]
     lines = ["phase,outcome,segment,start [s],end [s]"]
-    lines += [f"{_quoted(p.name)},{p.outcome},{p.segment},{p.start!r},{p.end!r}" for p in run.phases]
-    written = [to / "phases.csv"]
-    with replacing(written[0]) as part:
+    lines += [f"{quoted(p.name)},{p.outcome},{p.segment},{p.start!r},{p.end!r}" for p in run.phases]
+    with replacing(written[1]) as part:
         part.write_text("\n".join(lines) + "\n", encoding="utf-8")
     for k, phase in enumerate(run.phases):
         heading, columns = ["time [s]"], [phase.time]
         for task, errors in phase.errors.items():
             for c, unit in enumerate(errors.units):
                 if not np.isnan(errors.norms[:, c]).any():
-                    heading.append(_quoted(f"{task} [{unit}]"))
+                    heading.append(quoted(f"{task} [{unit}]"))
                     columns.append(errors.norms[:, c])
         heading += ["base shift [m]", "base turn [rad]"]
         columns += [*phase.base_motion.T]
         written.append(_table(to / f"errors_{k}_{_safe(phase.name)}.csv", heading, np.column_stack(columns)))
     for k, segment in enumerate(run.segments):
         own = to / f"segment_{k}"
-        written += segment.trajectory.to_csv(own)
+        written += segment.trajectory.to_csv(own, segment.robot)
         for target in segment.targets:
-            heading = ["time [s]", *(f"q[{i}]" for i in range(target.q.shape[1]))]
-            heading += [f"v[{i}]" for i in range(target.v.shape[1])]
+            names = Names.of(target.robot)
+            heading = ["time [s]", *map(quoted, [*names.q, *names.v])]
             file = own / ("target.csv" if target.name == TARGET else f"target_{_safe(target.name)}.csv")
             written.append(_table(file, heading, np.c_[target.time, target.q, target.v]))
     return written
@@ -363,10 +371,6 @@ def _table(file: Path, heading: list[str], values: Floats) -> Path:
     with replacing(file) as part:
         np.savetxt(part, values, fmt="%.17g", delimiter=",", header=",".join(heading), comments="", encoding="utf-8")
     return file
-
-
-def _quoted(text: str) -> str:
-    return '"' + text.replace('"', '""') + '"' if set(text) & set(',"\n\r') else text
 
 
 def _safe(text: str) -> str:

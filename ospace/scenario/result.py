@@ -5,14 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
+from ospace.extras import require
 from ospace.kernels.tree import Floats
 from ospace.model.joint_positions import unit_of
 from ospace.model.robot import SpaceRobot
+from ospace.results import Result
 from ospace.scenario.holds import Hold
+from ospace.scenario.run_table import run_columns
 from ospace.scenario.schema import LimitsTable, Scenario
 from ospace.simulation import Certificate, Conserved, Excess, Grasp, Trajectory
 
@@ -25,7 +28,7 @@ BASE = "base"
 
 
 @dataclass(frozen=True, eq=False)
-class TaskErrors:
+class TaskErrors(Result):
     """Errors of one task at every cycle of a phase.
 
     Attributes
@@ -55,7 +58,7 @@ class TaskErrors:
 
 
 @dataclass(frozen=True, eq=False)
-class Contact:
+class Contact(Result):
     """Impulse, loss and errors of a grasp.
 
     Attributes
@@ -92,7 +95,7 @@ class Contact:
 
 
 @dataclass(frozen=True, eq=False)
-class Separation:
+class Separation(Result):
     """Smallest distance of links that keep a clearance from each other and from the target.
 
     Attributes
@@ -112,7 +115,7 @@ class Separation:
 
 
 @dataclass(frozen=True, eq=False)
-class PhaseResult:
+class PhaseResult(Result):
     """Outcome of a phase.
 
     Attributes
@@ -175,7 +178,7 @@ class PhaseResult:
 
 
 @dataclass(frozen=True, eq=False)
-class FreeTarget:
+class FreeTarget(Result):
     """A target that moves by itself.
 
     Attributes
@@ -196,7 +199,7 @@ class FreeTarget:
 
 
 @dataclass(frozen=True, eq=False)
-class Segment:
+class Segment(Result):
     """Part of a run with one and the same robot: from its start, a grasp or a release to the next.
 
     Attributes
@@ -269,6 +272,38 @@ class Run(Verdict):
     seconds: float
     interrupted: bool = False
 
+    def as_dict(self) -> dict[str, Any]:
+        """Return its records as the columns of one tidy table, over all segments.
+
+        Returns
+        -------
+        dict of str to (N,) array
+            By heading with its unit: time, phase, segment, all of `Trajectory.as_dict`, and errors of tasks at control
+            cycles; NaN where a segment or a phase has no such thing.
+        """
+        return run_columns(self)
+
+    def to_dataframe(self) -> Any:
+        """Return its records as a data frame of pandas, which has to be installed.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each record, the columns of `as_dict`.
+
+        Raises
+        ------
+        OspaceError
+            pandas is not installed.
+        """
+        require("pandas", "a data frame")
+        import pandas
+
+        return pandas.DataFrame(self.as_dict())
+
+    def __repr__(self) -> str:
+        return f"Run('{self.scenario.name}', {outcomes(self)})"
+
     @property
     def exceeded(self) -> dict[str, Excess]:
         """Limits of joints that the motion passed, by ``'joint: kind'``, and how far at most."""
@@ -278,6 +313,14 @@ class Run(Verdict):
                 if name not in found or excess.amount > found[name].amount:
                     found[name] = excess
         return found
+
+
+def outcomes(run: Verdict) -> str:
+    """Return the phases and how they ended, and the verdict."""
+    phases = ", ".join(f"{phase.name} {phase.outcome}" for phase in run.phases)
+    missing = f", not begun: {', '.join(run.not_begun)}" if run.not_begun else ""
+    verdict = "passed" if run.passed else "interrupted" if run.interrupted else "failed"
+    return f"{run.duration:.6g} s: {phases}{missing}; {verdict}"
 
 
 def _exceeded(segment: Segment, plan: LimitsTable, actuated: SpaceRobot) -> dict[str, Excess]:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ospace.kernels.tree import Floats
+from ospace.results import Result
 from ospace.scenario.log import Log
 from ospace.scenario.result import BASE, PhaseResult, TaskErrors
 from ospace.simulation.certificate import balances
@@ -19,7 +20,7 @@ _Part = tuple[Floats, Mapping[str, Floats]]
 
 
 @dataclass(frozen=True, eq=False)
-class Series:
+class Series(Result):
     """Curves over time that belong together.
 
     Attributes

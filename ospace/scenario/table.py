@@ -26,7 +26,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, ErrorDetails, core_schema
 
 from ospace.exceptions import closest
-from ospace.scenario.units import shown
+from ospace.quantities import shown
 
 Problem = tuple[str, str]
 """A key, as ``phase[1].task[0].stiffness``, and what is wrong with it."""

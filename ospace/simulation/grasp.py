@@ -22,6 +22,7 @@ from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint, check_owner
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
+from ospace.results import Result
 from ospace.simulation.combined_model import CombinedModel, join
 from ospace.simulation.moving_frame import MovingFrame
 
@@ -29,7 +30,7 @@ _ALL = (True,) * 6
 
 
 @dataclass(frozen=True)
-class Grasp:
+class Grasp(Result):
     """A target in the hand of a chaser.
 
     Attributes

@@ -8,17 +8,19 @@ import os
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 import pinocchio as pin
 
 from ospace.exceptions import OspaceError, printable
+from ospace.extras import require
 from ospace.files import replacing
 from ospace.kernels.tree import Floats
 from ospace.model.joint_positions import in_unit
 from ospace.model.robot import SpaceRobot
 from ospace.simulation.certificate import Certificate, certify
+from ospace.simulation.columns import columns, headings_of, quoted
 from ospace.stored import WRONG_KIND, arrays, fit, fit_times, made
 
 
@@ -109,6 +111,11 @@ class Trajectory:
 
     def __len__(self) -> int:
         return len(self.time)
+
+    def __repr__(self) -> str:
+        ended = ", interrupted" if self.interrupted else ""
+        span = f"{self.time[0]:.6g} to {self.time[-1]:.6g} s"
+        return f"Trajectory('{self.robot_name}', {span} in {len(self)} records, {self.integrator}{ended})"
 
     def __str__(self) -> str:
         beyond = ", ".join(f"'{joint}' by {excess}" for joint, excess in self.outside_limits.items())
@@ -244,20 +251,65 @@ class Trajectory:
         if records == 0:
             raise OspaceError(printable(f"array '{name}time' is empty"))
         fit(f"{name}frame_velocity", self.frame_velocity, 3)
-        for array, columns in _SHAPES.items():
-            fit(f"{name}{array}", getattr(self, array), records, *columns)
+        for array, row in _SHAPES.items():
+            fit(f"{name}{array}", getattr(self, array), records, *row)
         fit(f"{name}q", self.q, records, None, least=7)
         fit(f"{name}v", self.v, records, None, least=6)
         if not (0.0 <= self.total_mass < math.inf and 0.0 <= self.largest_inertia < math.inf):
             raise OspaceError(printable(f"{name}: its mass or inertia is none"))
 
-    def to_csv(self, folder: str | os.PathLike[str]) -> list[Path]:
+    def as_dict(self, robot: SpaceRobot | None = None) -> dict[str, Floats]:
+        """Return its records as the columns of one table.
+
+        Parameters
+        ----------
+        robot : SpaceRobot, optional
+            Its robot, for names of joints and units; without it they are numbered.
+
+        Returns
+        -------
+        dict of str to (N,) array
+            By heading, as ``joint_1 [rad]``, ``joint_1 rate [rad/s]``, ``joint_1 torque [N m]``.
+
+        Raises
+        ------
+        OspaceError
+            The trajectory is another robot's.
+        """
+        return columns(self, robot)
+
+    def to_dataframe(self, robot: SpaceRobot | None = None) -> Any:
+        """Return its records as a data frame of pandas, which has to be installed.
+
+        Parameters
+        ----------
+        robot : SpaceRobot, optional
+            As of `as_dict`.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each record, the columns of `as_dict`.
+
+        Raises
+        ------
+        OspaceError
+            pandas is not installed, or the trajectory is another robot's.
+        """
+        require("pandas", "a data frame")
+        import pandas
+
+        return pandas.DataFrame(self.as_dict(robot))
+
+    def to_csv(self, folder: str | os.PathLike[str], robot: SpaceRobot | None = None) -> list[Path]:
         """Write each quantity to a file ``<quantity>.csv``: a line of names, then time and numbers.
 
         Parameters
         ----------
         folder : path-like
             Made where it is not there.
+        robot : SpaceRobot, optional
+            Its robot, for names of joints and units; without it they are numbered.
 
         Returns
         -------
@@ -267,12 +319,20 @@ class Trajectory:
         to = Path(folder)
         to.mkdir(parents=True, exist_ok=True)
         written = []
-        for name, unit in _COLUMNS.items():
-            values = np.atleast_2d(getattr(self, name).T).T
-            heading = ",".join(["time [s]", *(f"{name}[{k}]{unit}" for k in range(values.shape[1]))])
+        for name, headings in headings_of(self, robot).items():
+            values = getattr(self, name).reshape(len(self), -1)
+            heading = ",".join(quoted(one) for one in ["time [s]", *headings])
             file = to / f"{name}.csv"
             with replacing(file) as part:
-                np.savetxt(part, np.c_[self.time, values], fmt="%.17g", delimiter=",", header=heading, comments="")
+                np.savetxt(
+                    part,
+                    np.c_[self.time, values],
+                    fmt="%.17g",
+                    delimiter=",",
+                    header=heading,
+                    comments="",
+                    encoding="utf-8",
+                )
             written.append(file)
         return written
 
@@ -291,15 +351,3 @@ _SHAPES: dict[str, tuple[int | None, ...]] = {
     "rotation_drift": (),
 }
 """Of arrays with a row for each record."""
-_COLUMNS = {
-    "q": "",
-    "v": "",
-    "torque": "",
-    "base_wrench": " [N or N m]",
-    "wheel_torque": " [N m]",
-    "wheel_momentum": " [kg m^2/s]",
-    "momentum": " [kg m/s or kg m^2/s]",
-    "kinetic_energy": " [J]",
-    "work": " [J]",
-    "dissipated": " [J]",
-}

@@ -26,6 +26,7 @@ from ospace.exceptions import OspaceError
 from ospace.kernels.minimum_jerk import minimum_jerk
 from ospace.kernels.tree import Floats, Ints
 from ospace.model.robot import SpaceRobot
+from ospace.results import Result
 
 Joints = Callable[[float], tuple[Floats, Floats]]
 """From time, s, to how far the joints have moved (n,) since the start, and their rates (n,); rad, m."""
@@ -37,7 +38,7 @@ _LONGEST = 4.0  # s of a way
 
 
 @dataclass(frozen=True)
-class FloatingMotion:
+class FloatingMotion(Result):
     """A motion with zero momentum.
 
     Attributes

@@ -90,7 +90,8 @@ def read_file(path: Path, limits: Limits) -> bytes:
         with open_regular(path) as file:
             size = os.fstat(file.fileno()).st_size
             if size > limits.bytes:
-                raise UrdfError(path, f"has {size} bytes; at most {limits.bytes} are read (--max-bytes)", "too-large")
+                reason = f"has {size} bytes; at most {limits.bytes} are read (limits=Limits(bytes=N))"
+                raise UrdfError(path, reason, "too-large")
             return file.read(size)
     except FileNotFoundError:
         raise UrdfError(path, "no such file", "no-file") from None
@@ -99,7 +100,9 @@ def read_file(path: Path, limits: Limits) -> bytes:
     except (OSError, ValueError) as error:
         if os.path.exists(path) and not os.path.isfile(path):
             raise UrdfError(path, "is not a regular file: give a URDF file", "no-regular-file") from None
-        raise UrdfError(path, f"cannot be read: {error}", "unreadable-file") from None
+        raise UrdfError(
+            path, f"cannot be read: {getattr(error, 'strerror', None) or error}", "unreadable-file"
+        ) from None
 
 
 def parse(path: Path, content: bytes, limits: Limits, *, comments: bool = False) -> etree._Element:
@@ -180,7 +183,7 @@ class _Scan:
     def _node(self, *arguments: object) -> None:
         self.nodes += 1
         if self.nodes > self.limits.nodes:
-            reason = f"has more than {self.limits.nodes} elements, attributes and comments (--max-nodes)"
+            reason = f"has more than {self.limits.nodes} elements, attributes and comments (limits=Limits(nodes=N))"
             self._refuse(reason, "too-many-nodes")
 
     def _start(self, name: str, attributes: dict[str, str]) -> None:
@@ -188,13 +191,13 @@ class _Scan:
         self.lines.append(self.parser.CurrentLineNumber)
         self.depth += 1
         if self.depth > self.limits.depth:
-            self._refuse(f"nests elements more than {self.limits.depth} deep (--max-depth)", "too-deep")
+            self._refuse(f"nests elements more than {self.limits.depth} deep (limits=Limits(depth=N))", "too-deep")
         if len(attributes) > self.limits.attributes:
             most = self.limits.attributes
-            reason = f"<{name}> has {len(attributes)} attributes; at most {most} are read (--max-attributes)"
+            reason = f"<{name}> has {len(attributes)} attributes; at most {most} are read (limits=Limits(attributes=N))"
             self._refuse(reason, "too-many-attributes")
         if attributes and max(map(len, attributes.values())) > self.limits.text:
-            reason = f"<{name}> has an attribute of more than {self.limits.text} characters (--max-text)"
+            reason = f"<{name}> has an attribute of more than {self.limits.text} characters (limits=Limits(text=N))"
             self._refuse(reason, "too-long-attribute")
         self.nodes += len(attributes)
         self._node()

@@ -30,7 +30,7 @@ def check_size(path: Path, root: etree._Element, limits: Limits) -> None:
     links = 0
     for links, link in enumerate(root.iterfind("link"), 1):
         if links > limits.links:
-            reason = f"has more than {limits.links} links: merge some, or raise the limit (--max-links)"
+            reason = f"has more than {limits.links} links: merge some, or raise the limit (limits=Limits(links=N))"
             raise UrdfError(path, reason, "too-many-links", line_of(link))
     if not links:
         raise UrdfError(path, "<robot> has no <link>: a robot needs at least its base", "no-links", line_of(root))
@@ -50,9 +50,8 @@ def check_dof(path: Path, description: Description, limits: Limits) -> None:
     """
     nv = _BASE_DOF + sum(DOF.get(joint.kind, 0) for joint in description.joints)
     if nv > limits.dof:
-        reason = (
-            f"has {nv} degrees of freedom, at most {limits.dof} are taken: fix some, or raise the limit (--max-dof)"
-        )
+        most = f"at most {limits.dof} are taken: fix some, or raise the limit (limits=Limits(dof=N))"
+        reason = f"has {nv} degrees of freedom, {most}"
         raise UrdfError(path, reason, "too-many-dof")
     needed, there = 64 * nv**3, os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     if needed > there:
@@ -76,7 +75,7 @@ def check_base(path: Path, description: Description) -> None:
     if len(floating) > 1:
         names = ", ".join(f"'{joint.child}'" for joint in floating[:_NAMED]) + (", …" if len(floating) > _NAMED else "")
         reason = f"holds {len(floating)} free bodies, {names}, each on a floating joint of {root}, which has no mass: "
-        reason += f"read one alone, as --root '{floating[0].child}'"
+        reason += f"read one alone, as root='{floating[0].child}'"
         raise UrdfError(path, reason, "several-bodies", floating[1].line)
     for joint in leaving:
         if joint.kind == "planar":

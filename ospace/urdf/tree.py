@@ -166,7 +166,7 @@ def _check_cycles(path: Path, description: Description, reached: set[str]) -> No
     while link in lost and link not in way:
         way[link] = None
         link = lost[link].parent
-    reason = f"link '{link}' hangs from itself: a URDF is a tree. Cut the loop, or choose the root (--root)"
+    reason = f"link '{link}' hangs from itself: a URDF is a tree. Cut the loop, or choose the root (root=LINK)"
     raise UrdfError(path, reason, "loop", lost[link].line)
 
 
@@ -180,7 +180,7 @@ def _check_one_root(path: Path, roots: Sequence[Link], foreign: Mapping[str, str
             raise UrdfError(path, reason, "two-roots", link.line)
     names = " and ".join(link.subject for link in roots[:3]) + (", …" if len(roots) > 3 else "")
     reason = f"has {len(roots)} root links, {names}: join them, by a fixed joint where nothing moves, or read one "
-    reason += f"alone: --root '{roots[0].name}'"
+    reason += f"alone: root='{roots[0].name}'"
     raise UrdfError(path, reason, "two-roots", roots[1].line)
 
 

@@ -26,6 +26,7 @@ _WITHIN_PACKAGE = {"urdf", "xacro", "robots", "robot", "models", "model"}
 """Usual names of the folder of a package that holds its robots."""
 _HARMLESS = ("redefining global symbol", "Using ", "macro names must not contain prefix")
 """Beginnings of warnings of xacro that say nothing of the robot."""
+_RAISED = ", ".join(f"limits=Limits({name}=N)" for name in ("seconds", "memory", "bytes"))
 
 
 @dataclass(frozen=True)
@@ -209,7 +210,7 @@ def _ask(path: Path, request: Mapping[str, object], limits: Limits) -> tuple[dic
                 check=False,
             )
         except subprocess.TimeoutExpired:
-            reason = f"takes more than {limits.seconds} s to expand (--max-seconds)"
+            reason = f"takes more than {limits.seconds} s to expand (limits=Limits(seconds=N))"
             raise UrdfError(path, reason, "xacro-exhausted") from None
         except OSError as error:
             raise UrdfError(path, f"cannot be expanded: {error.strerror}", "xacro-failed") from None
@@ -217,5 +218,5 @@ def _ask(path: Path, request: Mapping[str, object], limits: Limits) -> tuple[dic
         head, _, content = out.read().partition(b"\n")
     if done.returncode != 0:
         reason = f"takes more time, memory or output to expand than it may (status {done.returncode})"
-        raise UrdfError(path, f"{reason}: --max-seconds, --max-memory, --max-bytes", "xacro-exhausted")
+        raise UrdfError(path, f"{reason}: {_RAISED}", "xacro-exhausted")
     return json.loads(head), content

@@ -68,7 +68,7 @@ class _Gate:
     def _refuse(self, event: str, arguments: tuple[Any, ...]) -> NoReturn:
         what = f"does what no robot needs ({event})"
         if (event == "open" and not _writes(arguments)) or event in _LISTINGS | _PATTERNS:
-            what = f"reads '{os.path.realpath(str(arguments[0]))}', outside the file's package and --package-dir"
+            what = f"reads '{os.path.realpath(str(arguments[0]))}', outside the file's package and package_dirs=[DIR]"
         refused = _RefusedError(what, "xacro-outside")
         self.refused = self.refused or refused
         raise refused
@@ -178,7 +178,7 @@ class _Expansion:
                 if not stat.S_ISREG(status.st_mode):
                     raise OSError(0, "is not a regular file", path)
                 if status.st_size > self._request["bytes"]:
-                    raise _RefusedError(f"'{path}' has {status.st_size} bytes (--max-bytes)", "too-large")
+                    raise _RefusedError(f"'{path}' has {status.st_size} bytes (limits=Limits(bytes=N))", "too-large")
                 text = file.read(status.st_size)
         except OSError as error:
             self._xacro.filestack.pop()
@@ -197,7 +197,7 @@ class _Expansion:
         choices = [choice for choice in choices if os.path.isdir(choice)]
         choices += [folder for folder in self._request["folders"] if _is_package(folder, package)]
         if package in ("", ".", "..") or "/" in package or not choices:
-            reason = f"package '{package}' is not found: give the folder that holds it with --package-dir"
+            reason = f"package '{package}' is not found: give the folder that holds it with package_dirs=[DIR]"
             raise _RefusedError(reason, "xacro-package")
         return choices[0]
 
@@ -310,7 +310,7 @@ def _failure(error: Exception, expansion: _Expansion | None, gate: _Gate) -> dic
         reason, code, *where = refused.args
         path, line = where or (path, line)
     elif any(isinstance(cause, MemoryError) for cause in causes):
-        reason, code = "takes more memory to expand than it may (--max-memory)", "xacro-exhausted"
+        reason, code = "takes more memory to expand than it may (limits=Limits(memory=N))", "xacro-exhausted"
     elif any(isinstance(cause, RecursionError) for cause in causes):
         reason, code = "its macros, includes or properties call each other without end", "xacro-exhausted"
     macros = [] if expansion is None else list(dict.fromkeys(expansion.macros()))[:_MOST_MACROS]
@@ -332,7 +332,7 @@ def main() -> None:
         expanded, origins = expansion.run()
         text = expanded.encode()
         if len(text) > request["bytes"]:
-            most = f"at most {request['bytes']} are read (--max-bytes)"
+            most = f"at most {request['bytes']} are read (limits=Limits(bytes=N))"
             raise _RefusedError(f"expands to {len(text)} bytes; {most}", "too-large")
         warnings = [
             line.removeprefix("warning: ") for line in printed.getvalue().splitlines() if line.startswith("warning: ")

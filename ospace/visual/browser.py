@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import os
 import shutil
 import subprocess
@@ -41,7 +42,7 @@ def find() -> str:
         if path:
             return path
     raise OspaceError(
-        "a screenshot needs Chromium, which was not found: install it (Debian: apt install chromium), "
+        "a picture or PDF needs Chromium, which was not found: install it (Debian: apt install chromium), "
         "or write the scene with --html and open it in any browser"
     )
 
@@ -69,26 +70,53 @@ def screenshot(page: str, path: Path, size: tuple[int, int] = (1000, 700), part:
     OspaceError
         Chromium is not installed, or draws nothing.
     """
+    drawn = _drawn(page, "screenshot", ".png", part, f"--window-size={size[0]},{size[1]}")
+    with replacing(path) as file:
+        file.write_bytes(drawn)
+
+
+def pdf(page: str, path: Path) -> None:
+    """Print a report, as HTML, to a PDF file: with a picture in the place of the scene, and nothing folded.
+
+    Parameters
+    ----------
+    page : str
+    path : Path
+
+    Raises
+    ------
+    OspaceError
+        Chromium is not installed, or prints nothing.
+    """
+    still = base64.b64encode(_drawn(page, "screenshot", ".png", "bare", "--window-size=1400,700")).decode()
+    picture = f'<img id="still" alt="the scene" src="data:image/png;base64,{still}"><section id="scene"'
+    open_page = page.replace('<section id="scene"', picture, 1).replace("<details", "<details open")
+    printed = _drawn(open_page, "print-to-pdf", ".pdf", "", "--no-pdf-header-footer")
+    with replacing(path) as file:
+        file.write_bytes(printed)
+
+
+def _drawn(page: str, how: str, suffix: str, part: str, *options: str) -> bytes:
+    """Return what Chromium makes of a page by one of its options."""
     chromium = find()
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-        source, picture = Path(folder) / "page.html", Path(folder) / "page.png"
+        source, made = Path(folder) / "page.html", Path(folder) / f"made{suffix}"
         source.write_text(page, encoding="utf-8")
         command = [
             chromium,
             "--headless",
             *flags(),
+            *options,
             f"--user-data-dir={folder}/profile",
-            f"--window-size={size[0]},{size[1]}",
             f"--virtual-time-budget={_VIRTUAL}",
-            f"--screenshot={picture}",
+            f"--{how}={made}",
             f"{source.as_uri()}#{part}",
         ]
         try:
             ended = subprocess.run(command, capture_output=True, timeout=_TIME, check=False)
         except subprocess.TimeoutExpired:
             raise OspaceError(f"{chromium} drew no picture within {_TIME:g} s") from None
-        if not picture.is_file():
+        if not made.is_file():
             said = ended.stderr.decode(errors="replace").strip().splitlines()
             raise OspaceError(f"{chromium} drew no picture: {said[-1] if said else f'exit status {ended.returncode}'}")
-        with replacing(path) as drawn:
-            shutil.copyfile(picture, drawn)
+        return made.read_bytes()

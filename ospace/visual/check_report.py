@@ -22,7 +22,9 @@ from ospace.urdf.lint import explain
 from ospace.urdf.lint.rules import RULES
 from ospace.validation import report_text
 from ospace.validation.report import Report
-from ospace.visual import marked_robot, page
+from ospace.visual import joint_limits, marked_robot, page
+from ospace.visual.environment import Background
+from ospace.visual.provenance import Provenance
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,7 @@ def save(
     urdf: Path,
     package_dirs: Sequence[Path] = (),
     hands: Sequence[Overview] = (),
+    about: Provenance | None = None,
 ) -> Path:
     """Write the report of a check to one HTML file, which needs no network.
 
@@ -78,6 +81,8 @@ def save(
         Where ``package://`` names of meshes are looked up.
     hands : sequence of Overview
         What hands do while the base floats.
+    about : Provenance, optional
+        Shown at its beginning.
 
     Returns
     -------
@@ -89,7 +94,7 @@ def save(
     OSError
         The file cannot be written.
     """
-    text = render(report, description, name=name, urdf=urdf, package_dirs=package_dirs, hands=hands)
+    text = render(report, description, name=name, urdf=urdf, package_dirs=package_dirs, hands=hands, about=about)
     with replacing(path) as part:
         part.write_text(text, encoding="utf-8")
     return Path(path)
@@ -103,22 +108,26 @@ def render(
     urdf: Path,
     package_dirs: Sequence[Path] = (),
     hands: Sequence[Overview] = (),
+    about: Provenance | None = None,
+    background: Background = "space",
 ) -> str:
-    """Return the report as a page; parameters as of `save`.
+    """Return the report as a page; parameters as of `save`, for paper with `background` "paper".
 
     Returns
     -------
     str
         HTML.
     """
-    drawn = marked_robot.draw(description, report.findings, urdf, package_dirs)
+    drawn = marked_robot.draw(description, report.findings, urdf, package_dirs, background=background)
     weights = breakdown(bodies_of(description))
     codes = dict.fromkeys(finding.code for finding in report.findings)
     return page.render(
-        drawn.content(printable(description.name), f"{report.verdict}: {report_text.summary(report)}", "space"),
+        drawn.content(printable(description.name), f"{report.verdict}: {report_text.summary(report)}", background),
         template="check.html",
         report_style=page.own_text("report.css"),
         check_script=page.own_text("check.js"),
+        about=about,
+        limits=joint_limits.of_description(description),
         report_text=report_text,
         printable=printable,
         urdf=printable(name),

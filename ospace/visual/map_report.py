@@ -76,6 +76,7 @@ def render(result: MapResult, *, name: str) -> str:
         map_script=page.own_text("map.js"),
         map_data=_field(result, scene),
         fields=[one.title for one in found.fields],
+        about=None,
         result=result,
         name=name,
         facts=list(map_text.facts(result)),

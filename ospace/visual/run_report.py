@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from ospace.exceptions import OspaceError
+from ospace.exceptions import OspaceError, printable
 from ospace.files import replacing
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint
@@ -18,22 +18,24 @@ from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
 from ospace.scenario import Run, Scenario, log, series, summary_text
 from ospace.scenario.holds import parts
-from ospace.visual import page, plots
+from ospace.visual import joint_limits, page, plots
+from ospace.visual.environment import Background
+from ospace.visual.provenance import Provenance
 from ospace.visual.scene import Records, Scene
 
 _SAME = 1e-9  # s: times that differ by rounding
 
 
-def save(run: Run, path: str | PathLike[str]) -> Path:
+def save(run: Run, path: str | PathLike[str], about: Provenance | None = None) -> Path:
     """Write the report of a run to one HTML file, which needs no network; return its path."""
-    text = render(run)
+    text = render(run, about)
     with replacing(path) as part:
         part.write_text(text, encoding="utf-8")
     return Path(path)
 
 
-def render(run: Run) -> str:
-    """Return the report as a page.
+def render(run: Run, about: Provenance | None = None, background: Background = "space") -> str:
+    """Return the report as a page; for paper with `background` "paper".
 
     Raises
     ------
@@ -41,7 +43,7 @@ def render(run: Run) -> str:
         Matplotlib or meshcat is not installed; the run has not moved.
     """
     kept = log.of(run)
-    scene = scene_of(run.scenario)
+    scene = scene_of(run.scenario, background)
     animate(scene, run)
     content = scene.content()
     curves = series.of(kept)
@@ -52,6 +54,9 @@ def render(run: Run) -> str:
         template="run.html",
         report_style=page.own_text("report.css"),
         report_script=page.own_text("report.js"),
+        about=about,
+        printable=printable,
+        limits=joint_limits.of_run(run),
         summary_text=summary_text,
         run=run,
         remarks=list(_remarks(run)),
@@ -61,7 +66,7 @@ def render(run: Run) -> str:
     )
 
 
-def scene_of(scenario: Scenario) -> Scene:
+def scene_of(scenario: Scenario, background: Background = "space") -> Scene:
     """Return the scene of a scenario at its start: the robot with the points of its tasks, and the targets."""
     robot = scenario.robot
     tasks = [task for phase in scenario.phases for task in phase.tasks]
@@ -73,7 +78,7 @@ def scene_of(scenario: Scenario) -> Scene:
                 point.frame == one.frame and point.placement == one.placement for one in points
             ):
                 points.append(point)
-    scene = Scene(robot, points or None)
+    scene = Scene(robot, points or None, background=background)
     for target in scenario.targets.values():
         scene.add(target.robot)
     scene.display(scenario.start.q, scenario.start.v, [target.start.q for target in scenario.targets.values()])

@@ -468,10 +468,8 @@ def test_without_the_extra_it_is_told_how_to_get_it(run, monkeypatch, page):
 @pytest.mark.parametrize(
     "arguments",
     [
-        [],
         ["chek", "target"],
         ["check"],
-        ["check", "target", "ets_vii"],
         ["check", "target", "--verbose"],
         ["check", "target", "--point"],
         *(["check", "target", "--samples", text] for text in ("0", "-1", "100001", "1.5", "many", "", "9" * 5000)),

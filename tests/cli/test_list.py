@@ -11,8 +11,14 @@ from ospace.cli.main import main
 from ospace.urdf.lint.rules import RULES
 
 WHAT = {"robots": map(models.summary, models.names()), "scenarios": map(models.scenario_summary, models.scenarios())}
+WHAT["examples"] = map(models.example_summary, models.examples())
 WHAT["findings"] = (rule.summary for rule in RULES.values())
-NAMES = {"robots": models.names(), "scenarios": models.scenarios(), "findings": list(RULES)}
+NAMES = {
+    "robots": models.names(),
+    "scenarios": models.scenarios(),
+    "examples": [str(file) for file in models.examples()],
+    "findings": list(RULES),
+}
 
 
 @pytest.mark.parametrize("kind", NAMES)

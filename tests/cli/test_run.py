@@ -233,7 +233,7 @@ def test_table_and_report_outlive_a_log_that_cannot_be_written(run, made, tmp_pa
 
 
 def test_log_and_table_outlive_ctrl_c_while_the_report_is_drawn(run, made, tmp_path, monkeypatch):
-    def interrupted(run):
+    def interrupted(run, about):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("ospace.visual.run_report.render", interrupted)

@@ -86,7 +86,10 @@ def test_layers_shown_at_first(view, tmp_path):
         (["planar_3r"], "did you mean 'planar_2r'?"),
         (["planar_2r", "--point", "hand"], "hand"),
         (["planar_2r", "--pose", "joint_3=1"], "no joint 'joint_3'; did you mean"),
-        (["planar_2r", "--pose", "joint_1=one"], "--pose 'joint_1=one': 'one' is not a number in rad or m"),
+        (
+            ["planar_2r", "--pose", "joint_1=one"],
+            "'joint_1=one': position of joint 'joint_1': 'one' is not an angle",
+        ),
         (["planar_2r", "--pose", "joint_1=nan"], "joint_1"),
         (["planar_2r", "--pose", "joint_1=inf"], "joint_1"),
         (["planar_2r", "--pose", "joint_1"], "--pose 'joint_1': write joint=value, such as joint_1=0.5"),
@@ -181,7 +184,7 @@ def test_no_picture_without_chromium(view, tmp_path, monkeypatch):
     monkeypatch.setattr("shutil.which", lambda name: None)
     status, out, err = view("planar_2r", "--screenshot", "out.png", "--html", "out.html")
     assert (status, out) == (2, "")
-    assert "a screenshot needs Chromium, which was not found: install it" in err
+    assert "a picture or PDF needs Chromium, which was not found: install it" in err
     assert list(tmp_path.iterdir()) == []
 
 

@@ -12,8 +12,9 @@ from scenario_schema import tables_of
 
 import ospace
 from ospace.cli.main import main
+from ospace.quantities import UNITS
 from ospace.scenario.schema import TASKS, ScenarioTable, json_schema
-from ospace.scenario.units import LARGEST, UNITS, Quantity
+from ospace.scenario.units import LARGEST, Quantity
 
 SCHEMA = json_schema()
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)

@@ -122,7 +122,7 @@ def test_one_of_two_free_bodies_is_read_by_its_root(file, name):
     error = refusal(file, *WORLD, *FREE)
     assert (error.code, error.line) == ("several-bodies", 3)
     assert "holds 2 free bodies, 'base', 'target', each on a floating joint of link 'world'" in error.reason
-    assert "--root 'base'" in error.reason
+    assert "root='base'" in error.reason
     made = read(file, *WORLD, *FREE, root=name)
     (finding,) = made.findings
     assert (finding.code, finding.subject) == ("root-given", f"link '{name}'")

@@ -154,7 +154,7 @@ def test_another_package_is_found_in_the_folders_given_alone(package, arm):
     arm.write_text(ARM.replace("</robot>", '<xacro:include filename="$(find hand)/urdf/hand.xacro"/></robot>'))
     error = refused(arm)
     assert (error.code, error.line) == ("xacro-package", 10)
-    assert "package 'hand' is not found: give the folder that holds it with --package-dir" in str(error)
+    assert "package 'hand' is not found: give the folder that holds it with package_dirs=[DIR]" in str(error)
     for folder in (package.parent, package.parent / "hand"):
         assert b'<material name="red"/>' in xacro.read(arm, package_dirs=[folder]).content
     arm.write_text(ARM.replace("</robot>", '<xacro:include filename="../../hand/urdf/hand.xacro"/></robot>'))
@@ -258,7 +258,7 @@ def test_time_memory_and_output_are_bounded(arm, part, limits):
 def test_what_it_expands_to_is_bounded(arm):
     arm.write_text(ARM.replace('name="arm"', """name="${'x' * 10**6}\""""))
     error = refused(arm, limits=Limits(bytes=900_000))
-    assert re.search(r"expands to 100\d{4} bytes; at most 900000 are read \(--max-bytes\)", str(error))
+    assert re.search(r"expands to 100\d{4} bytes; at most 900000 are read \(limits=Limits\(bytes=N\)\)", str(error))
     assert error.code == "too-large"
 
 

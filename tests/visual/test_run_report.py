@@ -50,7 +50,7 @@ def test_of_what_has_not_moved_there_is_no_report(tmp_path):
 
 
 def test_a_report_that_fails_leaves_what_was_there(tmp_path, monkeypatch):
-    def fail(run):
+    def fail(run, about):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(run_report, "render", fail)

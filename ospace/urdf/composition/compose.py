@@ -203,7 +203,7 @@ class _Robot:
             raise OspaceError(
                 printable(
                     f"{tag} '{name}' is in both {first} and {second}{more}: give the second {remedy}, such as "
-                    f"--prefix {stem}_"
+                    f"prefix='{stem}_'"
                 )
             )
         self.declared.update(dict.fromkeys(names, part))

@@ -18,6 +18,9 @@ is written from `ospace/urdf/lint/rules/`; `ospace check --explain CODE` prints 
 - **warning**: the model can be computed with, and is hardly what was meant.
 - **info**: worth knowing.
 
+Remedies name arguments of `SpaceRobot.from_urdf`. In the shell `--package-dir DIR` is `package_dirs=[DIR]`,
+`--root LINK` is `root='LINK'`, `--free-mimic` is `free_mimic=True`, and `--max-nodes N` is `limits=Limits(nodes=N)`.
+
 Codes marked "repaired by `--fix`" are those for which there is one right repair.
 """
 

@@ -114,9 +114,9 @@ def test_arguments_that_make_no_sense_are_named(make, words):
 
 
 def test_limits_hold_for_each_part_and_for_the_whole(arm):
-    with pytest.raises(UrdfError, match=r"arm.urdf: .*--max-links"):
+    with pytest.raises(UrdfError, match=r"arm.urdf: .*limits=Limits.links=N."):
         compose(BUS, arm, limits=ospace.Limits(links=1))
-    with pytest.raises(UrdfError, match=r"composed.urdf: .*--max-links"):
+    with pytest.raises(UrdfError, match=r"composed.urdf: .*limits=Limits.links=N."):
         compose(BUS, arm, limits=ospace.Limits(links=2))
     compose(BUS, arm, limits=ospace.Limits(links=3))
 

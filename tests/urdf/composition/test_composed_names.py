@@ -121,7 +121,7 @@ def test_a_clash_names_both_parts_and_the_prefix(file, first, second):
     one, two = file(ARM, "one.urdf"), file(ARM, "two.urdf")
     with pytest.raises(OspaceError) as error:
         compose("box:1x1x1m,100kg", Part(one, prefix=first), Part(two, prefix=second))
-    for word in ("one.urdf", "two.urdf", "and 9 more names", "--prefix two_", f"link '{first}base' is in both"):
+    for word in ("one.urdf", "two.urdf", "and 9 more names", "prefix='two_'", f"link '{first}base' is in both"):
         assert word in str(error.value)
 
 

@@ -136,6 +136,7 @@ def test_each_finding_from_the_smallest_model(found, parts, code, severity, subj
         "line": 1,
         "value": finding.value,
         "file": None,
+        "pose": None,
     }
 
 
@@ -146,7 +147,7 @@ def test_each_finding_from_the_smallest_model(found, parts, code, severity, subj
         (CASES["negative mass of a link"][0], ["-0.5 kg"]),
         (CASES["negative moment of a link"][0], ["-0.001 kg m²"]),
         (CASES["triangle inequality"][0], ["1, 1, 2.1 kg m²"]),
-        (CASES["mimic"][0], ["-1 times 'lead'", "one degree of freedom", "--free-mimic"]),
+        (CASES["mimic"][0], ["-1 times 'lead'", "one degree of freedom", "free_mimic=True"]),
     ],
 )
 def test_values_and_neighbours_are_named(found, parts, words):

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import ospace
+from ospace.cli.dialect import shell
 from ospace.cli.main import main
 from ospace.urdf.lint import explain
 from ospace.urdf.lint.rules import GROUPS, RULES
@@ -36,7 +37,7 @@ def test_each_code_is_explained(capsys, code):
     assert main(["check", "--explain", code.name]) == 0
     out, err = capsys.readouterr()
     assert err == ""
-    assert all(part in out for part in (code.name, code.summary, code.reason, code.remedy, code.example))
+    assert all(shell(part) in out for part in (code.name, code.summary, code.reason, code.remedy, code.example))
     assert all(text.endswith((".", ">.")) for text in (code.summary, code.reason, code.remedy)), code
 
 

@@ -160,7 +160,7 @@ JOINTS_AND_BASE = (
         summary="A joint follows another.",
         reason="The coupling is kept: both are one degree of freedom, which has the inertia of all that it moves, and "
         "whose torque is that of the leader. Ratio and offset are those to a leader that follows none itself.",
-        remedy="Nothing; to take it as independent: --free-mimic, from_urdf(…, free_mimic=True).",
+        remedy="Nothing; to take it as independent: free_mimic=True.",
         example='<mimic joint="left_finger" multiplier="-1"/>',
     ),
     Rule(
@@ -170,7 +170,7 @@ JOINTS_AND_BASE = (
         reason="A follower needs one position, of a leader with one position. Pinocchio takes it only where the leader "
         "can be numbered before it, which a leader that hangs from its follower cannot.",
         remedy="Turn the coupling round: let the other joint mimic this one, by 1/multiplier and −offset/multiplier. "
-        "Or take all as independent: --free-mimic, from_urdf(…, free_mimic=True).",
+        "Or take all as independent: free_mimic=True.",
         example='<joint name="wheel" type="planar"> with <mimic joint="motor"/>',
     ),
     Rule(
@@ -196,7 +196,7 @@ JOINTS_AND_BASE = (
         summary="A joint mimics another, known or not, and was made independent on request.",
         reason="The coupling is not enforced: inertias are those of joints that move each for itself.",
         remedy="Keep to positions in which it follows the other, or make the joint fixed.",
-        example='<mimic joint="left_finger" multiplier="-1"/> with --free-mimic',
+        example='<mimic joint="left_finger" multiplier="-1"/> with free_mimic=True',
     ),
     Rule(
         name="mimic-unknown",

@@ -8,7 +8,7 @@ MESH_FILES = (
         severity="warning",
         summary="The file of a mesh is not there, or <mesh> has no filename.",
         reason="Its shape cannot be drawn; dynamics do not need it.",
-        remedy="Correct the name, or give the folder that holds its package: --package-dir DIR.",
+        remedy="Correct the name, or give the folder that holds its package: package_dirs=[DIR].",
         example='<mesh filename="no_such.stl"/>',
     ),
     Rule(
@@ -26,7 +26,7 @@ MESH_FILES = (
         summary="A mesh lies outside the package of the URDF and the folders given. It is not opened. The package is "
         "the nearest folder upward with a package.xml, else the folder above that of the file.",
         reason="A file must not make a program read what it was not given.",
-        remedy="Give its folder: --package-dir DIR.",
+        remedy="Give its folder: package_dirs=[DIR].",
         example='<mesh filename="../../../etc/passwd"/>',
     ),
     Rule(
@@ -51,7 +51,7 @@ MESH_FILES = (
         summary="Meshes are named by package://, the file lies in no package of that name, and no folder was given to "
         "look them up in; or there are more than 1000 of them.",
         reason="Whether they exist is not known; dynamics do not need them.",
-        remedy="Give the folder that holds the packages: --package-dir DIR.",
+        remedy="Give the folder that holds the packages: package_dirs=[DIR].",
         example='<mesh filename="package://arm_description/meshes/arm.stl"/>',
     ),
 )

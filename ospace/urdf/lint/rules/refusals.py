@@ -32,7 +32,7 @@ FILES = (
         name="too-large",
         summary="The file has more bytes than are read: 20,000,000 by default.",
         reason="A URDF of thousands of links has some megabytes; more is a mistake, or meant to exhaust memory.",
-        remedy="Take meshes and logs out of the file, or raise the limit: --max-bytes N, Limits(bytes=N).",
+        remedy="Take meshes and logs out of the file, or raise the limit: limits=Limits(bytes=N).",
         example="a URDF with a 100 MB comment",
     ),
     _refused(
@@ -62,28 +62,28 @@ FILES = (
         name="too-deep",
         summary="XML elements are nested more than 100 deep.",
         reason="A URDF needs six levels; a hundred thousand overflow the stack of a reader.",
-        remedy="Look for an element that is not closed, or raise the limit: --max-depth N, Limits(depth=N).",
+        remedy="Look for an element that is not closed, or raise the limit: limits=Limits(depth=N).",
         example="<a><a><a>…",
     ),
     _refused(
         name="too-many-attributes",
         summary="An element has more than 64 attributes.",
         reason="The richest element of URDF has six.",
-        remedy="Remove what is not URDF, or raise the limit: --max-attributes N, Limits(attributes=N).",
+        remedy="Remove what is not URDF, or raise the limit: limits=Limits(attributes=N).",
         example='<link name="base" a0="" a1="" a2="" …/>',
     ),
     _refused(
         name="too-long-attribute",
         summary="An attribute has more than 10,000 characters.",
         reason="No name or number is that long.",
-        remedy="Remove what is not URDF, or raise the limit: --max-text N, Limits(text=N).",
+        remedy="Remove what is not URDF, or raise the limit: limits=Limits(text=N).",
         example='<link name="aaaaaaaa…"/>',
     ),
     _refused(
         name="too-many-nodes",
         summary="The file has more than 200,000 elements, attributes and comments.",
         reason="Each costs some hundred bytes of memory, whatever it holds.",
-        remedy="Remove what is not URDF, or raise the limit: --max-nodes N, Limits(nodes=N).",
+        remedy="Remove what is not URDF, or raise the limit: limits=Limits(nodes=N).",
         example="<a/><a/><a/>…",
     ),
     _refused(
@@ -113,7 +113,7 @@ FILES = (
         name="xacro-package",
         summary="$(find package) of a xacro names a package that is not in the folders given.",
         reason="Macros and numbers lie in it. No list of installed packages is looked at.",
-        remedy="Give the folder that holds the package: --package-dir DIR, from_urdf(path, [DIR]).",
+        remedy="Give the folder that holds the package: package_dirs=[DIR].",
         example='<xacro:include filename="$(find gripper_description)/urdf/gripper.xacro"/>',
     ),
     _refused(
@@ -121,7 +121,7 @@ FILES = (
         summary="A xacro reads a file outside its own package and the folders given, or does what no robot needs, as "
         "writing a file or starting a program.",
         reason="The expressions of a xacro are Python: who sends one could read or change anything.",
-        remedy="Give the folder with --package-dir where the file may read it; else look at what the file wants.",
+        remedy="Give the folder with package_dirs=[DIR] where the file may read it; else look at what the file wants.",
         example="${xacro.load_yaml('/etc/passwd')}",
     ),
     _refused(
@@ -129,8 +129,8 @@ FILES = (
         summary="Expanding a xacro takes more than 30 s, 1 GB or the bytes of a file, or its macros call themselves "
         "without end.",
         reason="The largest robots take seconds and some ten megabytes; a macro that doubles itself takes all.",
-        remedy="Look for a macro that calls itself, or raise the limit: --max-seconds N, --max-memory N, "
-        "Limits(seconds=N, memory=N).",
+        remedy="Look for a macro that calls itself, or raise the limit: limits=Limits(seconds=N), "
+        "limits=Limits(memory=N).",
         example='<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>',
     ),
     _refused(
@@ -154,7 +154,7 @@ STRUCTURE = (
         name="too-many-links",
         summary="The robot has more than 2000 links, or a chain of more than 2000 joints.",
         reason="Readers go down the tree by recursion, and their stack ends near 3,700 links.",
-        remedy="Merge links that are fixed to each other, or raise the limit: --max-links N, Limits(links=N). The "
+        remedy="Merge links that are fixed to each other, or raise the limit: limits=Limits(links=N). The "
         "length of a chain cannot be raised.",
         example='<link name="l0"/><link name="l1"/>…<link name="l2000"/>',
     ),
@@ -163,7 +163,7 @@ STRUCTURE = (
         summary="The robot has more than 150 degrees of freedom, the base's six included.",
         reason="Pinocchio's working memory takes 64 nv³ bytes: 216 MB at 150, 64 GB at 1000. What the memory of the "
         "machine cannot hold is refused whatever the limit.",
-        remedy="Fix joints that do not matter, or raise the limit: --max-dof N, Limits(dof=N).",
+        remedy="Fix joints that do not matter, or raise the limit: limits=Limits(dof=N).",
         example="150 links in a chain of revolute joints",
     ),
     _refused(
@@ -205,22 +205,21 @@ STRUCTURE = (
         name="loop",
         summary="Links hang from themselves, and from no root.",
         reason="A URDF is a tree. Pinocchio's reader leaves such links out, or never comes back.",
-        remedy="Cut the loop at one joint, or choose the base: --root LINK, from_urdf(path, root='LINK').",
+        remedy="Cut the loop at one joint, or choose the base: root='LINK'.",
         example="a is the parent of b, and b of a",
     ),
     _refused(
         name="two-roots",
         summary="More than one link is the child of no joint, or only of one that is not read, as <drake:joint>.",
         reason="The base would be one of them, and the mass of what hangs from the other would be lost.",
-        remedy="Join the others to the tree, by a fixed joint where nothing moves; or read one alone: --root LINK, "
-        "from_urdf(path, root='LINK').",
+        remedy="Join the others to the tree, by a fixed joint where nothing moves; or read one alone: root='LINK'.",
         example='<link name="base"/><link name="forgotten"/>',
     ),
     _refused(
         name="several-bodies",
         summary="Several bodies float freely, each on a floating joint of one link without mass.",
         reason="A robot has one base. The others would be bodies of their own, as a target is.",
-        remedy="Read each alone: --root LINK, from_urdf(path, root='LINK').",
+        remedy="Read each alone: root='LINK'.",
         example="chaser and target, each on a floating joint of 'world'",
     ),
     _refused(
@@ -228,7 +227,7 @@ STRUCTURE = (
         summary="The robot slides on a planar joint of a link without mass: its base moves in a plane.",
         reason="The base of ospace floats freely, with six degrees of freedom.",
         remedy="Make the joint floating: a motion that begins in the plane stays in it. Or read what hangs from it: "
-        "--root LINK.",
+        "root='LINK'.",
         example='<joint name="table" type="planar"><parent link="world"/><child link="bus"/></joint>',
     ),
     _refused(

@@ -1,0 +1,7 @@
+"""``python -m ospace``."""
+
+import sys
+
+from ospace.cli.main import main
+
+sys.exit(main())
