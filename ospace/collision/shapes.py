@@ -19,6 +19,7 @@ from ospace.urdf import mesh_file
 from ospace.urdf.bodies import placement
 from ospace.urdf.description import Link, Shape
 from ospace.urdf.lint.meshes import MOST, locate
+from ospace.urdf.numbers import LARGEST
 
 _MOST_PARTS = 16
 """Of a mesh with a hull each; one of more parts has a single hull around all."""
@@ -48,7 +49,15 @@ def solids_of(
     if shape.kind == "mesh":
         path = locate(shape.filename, urdf, package_dirs)
         for points in _hulls(path, path.stat().st_mtime_ns):
-            yield _convex(points * np.array(shape.size), T)
+            with np.errstate(over="ignore"):
+                scaled = points * np.array(shape.size)
+            if not np.abs(scaled).max() < LARGEST:
+                raise ValueError(f"'{path.name}' reaches further than {LARGEST:g} m")
+            try:
+                solid = _convex(scaled, T)
+            except RuntimeError:
+                raise ValueError(f"'{path.name}' has a corner with more than 255 edges, too many for Coal") from None
+            yield solid
     elif shape.kind == "box":
         yield coal.Box(*shape.size), T
     elif shape.kind == "sphere":
@@ -84,5 +93,8 @@ def _convex(points: Floats, T: pin.SE3) -> tuple[coal.CollisionGeometry, pin.SE3
     number[hull.vertices] = np.arange(len(hull.vertices))
     mesh.addTriangles(number[hull.simplices])
     mesh.endModel()
-    mesh.buildConvexHull(True, "Qt")
+    try:
+        mesh.buildConvexHull(True, "Qt")
+    except RuntimeError:  # 255 edges meet in a corner at most; a flat end that is not cut into triangles has fewer
+        mesh.buildConvexHull(False, "")
     return mesh.convex, T

@@ -17,6 +17,7 @@ from ospace.urdf.lint.findings import Finding, by_severity, make_finding
 from ospace.validation.agreement import Agreement, AgreementTable, summary
 from ospace.validation.extremes import Extremes
 from ospace.validation.mesh_boxes import of_meshes
+from ospace.validation.overlaps import of_shapes
 from ospace.validation.placements import IndependentReader
 from ospace.validation.sample import Sample, condition
 from ospace.validation.sampling import random_state
@@ -160,6 +161,7 @@ def check(
     table, extremes, findings = AgreementTable(robot), Extremes(robot, points, facts.length), list(robot.findings)
     if robot.description is not None and robot.source is not None:
         findings += of_meshes(robot.description, robot.source, robot.package_dirs, robot.findings)
+    findings += of_shapes(robot)
     reader = _second_reader(robot, findings)
     placed: list[tuple[float, float]] = []
     rows: list[Agreement] = []

@@ -3,6 +3,7 @@
 import copy
 import pickle
 
+import coal
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -134,3 +135,34 @@ def test_a_robot_of_a_model_has_no_shapes():
     robot = ospace.SpaceRobot.from_urdf(ospace.models.path("planar_2r"))
     with pytest.raises(OspaceError, match="was made of a model, which has no shapes"):
         CollisionGeometry.of(ospace.SpaceRobot.from_model(robot.model))
+
+
+def test_a_mesh_of_round_ends_is_a_solid_though_many_edges_meet_in_a_corner_of_its_triangles(tmp_path):
+    trimesh.creation.cylinder(radius=0.1, height=0.4, sections=400).export(tmp_path / "can.stl")
+    can = solids.body(tmp_path, '<mesh filename="can.stl"/>', "can")
+    like = solids.body(tmp_path, '<cylinder radius="0.1" length="0.4"/>', "like")
+    [of_mesh], [of_cylinder] = (CollisionGeometry.of(robot).solids for robot in (can, like))
+    rng = np.random.default_rng(3)
+    for _ in range(50):
+        T = coal.Transform3s(np.eye(3), rng.uniform(-1.0, 1.0, 3))
+        apart = [
+            coal.distance(one.geometry, coal.Transform3s(), coal.Sphere(0.02), T, request(), coal.DistanceResult())
+            for one in (of_mesh, of_cylinder)
+        ]
+        assert apart[0] == pytest.approx(apart[1], abs=1e-5)
+
+
+def request():
+    made = coal.DistanceRequest()
+    made.gjk_tolerance = 1e-12
+    return made
+
+
+def test_a_cone_of_hundreds_of_edges_and_a_mesh_of_vast_size_are_unread_by_name(tmp_path):
+    trimesh.creation.cone(radius=0.1, height=0.4, sections=400).export(tmp_path / "cone.stl")
+    cone = solids.body(tmp_path, '<mesh filename="cone.stl"/>', "cone")
+    why = "'cone.stl' has a corner with more than 255 edges, too many for Coal"
+    assert CollisionGeometry.of(cone).unread == {"cone_body": why}
+    (tmp_path / "vast.obj").write_text("v 0 0 0\nv 1e300 0 0\nv 0 1 0\nf 1 2 3\n")
+    vast = solids.body(tmp_path, '<mesh filename="vast.obj" scale="1e12 1 1"/>', "vast")
+    assert CollisionGeometry.of(vast).unread == {"vast_body": "'vast.obj' reaches further than 1e+12 m"}

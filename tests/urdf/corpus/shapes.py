@@ -62,6 +62,23 @@ variant(
 )
 
 
+def boxes(reach):
+    """Write a base with a box, an arm with one, and a hand with one at this distance from the base's."""
+    return robot(
+        *(link(name, more=SHAPE) for name in ("base", "arm", "hand")),
+        joint(),
+        joint("wrist", "revolute", "arm", "hand", origin=f"{reach - 0.3} 0 0"),
+    )
+
+
+variant("links that overlap at zero", boxes(0.39), 0, infos=["overlap-at-zero"])
+variant("links that just do not overlap at zero", boxes(0.41), 0)
+variant("adjacent links alone overlap", boxes(0.6), 0)
+variant(
+    "too many shapes to look for overlaps", with_arm(None, 201 * BOX.format("collision")), 0, infos=["overlap-at-zero"]
+)
+
+
 def mesh(filename, more=""):
     shape = f'<visual><geometry><mesh filename="{filename}"{more}/></geometry></visual>'
     return with_arm(None, shape)

@@ -79,4 +79,16 @@ MAGNITUDES = (
         remedy="Compare the masses; choose the heaviest body as the root link.",
         example='<mass value="0.001"/> in the root link, 10 kg in the arm',
     ),
+    Rule(
+        name="overlap-at-zero",
+        severity="info",
+        summary="Links overlap with all joints at zero, those of one body and adjacent ones left out: the pairs, the "
+        "deepest first. Shapes are the <collision> ones, or the <visual> ones of links without any, meshes by their "
+        "convex hulls. Beyond 200 shapes or 25 MB of meshes it is said that nothing was looked at.",
+        reason="A clearance takes such links as allowed to touch and does not watch them, in any configuration: "
+        "shapes that are too large, or stand in the wrong place, take a true collision out of sight.",
+        remedy="A clearance does not watch these pairs. Where the links do not touch in truth, mend their shapes, or "
+        "the origins or zero positions of the joints; else leave them.",
+        example="two fingers whose boxes are as wide as the hand",
+    ),
 )
