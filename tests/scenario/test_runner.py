@@ -113,6 +113,24 @@ def test_detumbling_moves_the_momentum_to_the_wheels():
     assert share.outcome == "complete"
 
 
+def test_wheels_are_as_full_at_the_start_of_a_phase_as_at_the_end_of_the_one_before(load):
+    """Of a base that turns with more than they take, which fills them in the first of three phases."""
+    base = {"name": "base", "type": "base_attitude"}
+    text = missions.toml(
+        *(missions.phase(name, duration="2 s", timeout="3 s") for name in ("fill", "keep", "and keep")),
+        robot=missions.PLANAR
+        | {"base": {"torque": "5 N m", "wheels": True, "wheel_momentum": "1 N m s"}}
+        | {"angular_velocity": [0, 0, "10 deg/s"]},
+        control={"step": "5 ms", "period": "10 ms"},
+        tasks=[missions.REST, base],
+    )
+    run = scenario.run(load(text))
+    trajectory = run.segments[0].trajectory
+    assert trajectory.momentum[0, 5] > 2.0
+    stored = trajectory.wheel_momentum[trajectory.time >= run.phases[0].end - 1e-9, 2]
+    np.testing.assert_allclose(stored, 1.0, rtol=0, atol=1e-9)
+
+
 def test_a_wrong_impulse_is_seen(monkeypatch):
     def wrong(*given):
         held = grasp(*given)
