@@ -1,4 +1,9 @@
-"""Clearance: both hands are sent to the place between them, and stop 3 cm apart."""
+"""
+Hands that keep apart
+=====================
+
+Clearance: both hands are sent to the place between them, and stop 3 cm apart.
+"""
 
 import pinocchio as pin
 

@@ -24,6 +24,8 @@ XACRO_VALUE = re.compile(r"([A-Za-z_]\w*):=(.*)", re.DOTALL)
 # The matrices here are small: threads of the linear algebra would wait for each other longer than they work.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ["MPLBACKEND"] = "agg"  # figures go into files, whatever windows the user has set, or misspelt
+_SPARE = 8_000_000
+"""Bytes that are kept for what is told where memory has run out."""
 _NO_MEMORY_TO_LOAD = ("failed to map segment", "cannot allocate memory")
 
 
@@ -80,7 +82,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal that lacks a letter shows another
-    interrupts = Interrupts(main.__code__)
+    interrupts, spare = Interrupts(main.__code__), bytearray(_SPARE)
     try:
         with interrupts, warnings.catch_warnings():
             warnings.showwarning = lambda message, *where, **more: output.tell(str(message))
@@ -98,6 +100,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         output.tell("interrupted")
         return EXIT_INTERRUPTED
     except Exception as error:
+        del spare
         if interrupts.seen:  # a library made another error of it
             output.tell("interrupted")
             return EXIT_INTERRUPTED

@@ -59,7 +59,8 @@ def to_q(joint: pin.JointModel, name: str, value: Position) -> Floats:
 def in_si(joint: pin.JointModel, name: str, value: Position) -> Position:
     """Return a position with text read, as ``"20 deg"``, in rad or m; raises `OspaceError` for text of another kind."""
     if isinstance(value, list | tuple):
-        dimensions = ("length", "length", "angle") if _kind(joint) == "planar" else (_dimension(joint),) * len(value)
+        first = ("length", "length") if _kind(joint) == "planar" else ()
+        dimensions = (*first, *("angle" if first else _dimension(joint),) * len(value))
         return [_read(name, one, dimension) for one, dimension in zip(value, dimensions, strict=False)]
     return _read(name, value, _dimension(joint))
 

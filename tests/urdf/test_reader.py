@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 
 import ospace
+from ospace import files
 from ospace.exceptions import printable
-from ospace.urdf import source, structure
+from ospace.urdf import structure
 
 INERTIAL = (
     '<inertial><origin xyz="0 0 0.1"/><mass value="2"/>'
@@ -114,7 +115,7 @@ def test_a_file_that_no_one_may_read_is_refused(file, capfd, monkeypatch):
     def refuse_to_open(path, flags):
         raise PermissionError(13, "Permission denied", str(path))
 
-    monkeypatch.setattr(source, "os", SimpleNamespace(**{**vars(os), "open": refuse_to_open}))
+    monkeypatch.setattr(files, "os", SimpleNamespace(**{**vars(os), "open": refuse_to_open}))
     refuse(file, capfd, "cannot be read.*Permission denied.*unreadable-file")
 
 

@@ -12,7 +12,7 @@ import trees
 
 import ospace
 from ospace.cli.main import main
-from ospace.cli.view import _pose
+from ospace.cli.pose import joint_values
 from ospace.validation import report
 
 
@@ -24,7 +24,7 @@ def nearest(robot, *frames, samples=6):
 def share_of(robot, finding, frame):
     """σ_min/σ_max of J_m* in the pose of the finding, with its length."""
     length = float(re.search(r"L = (\S+) m", finding.message)[1])
-    state = robot.state(robot.configuration(_pose(finding.pose, robot)))
+    state = robot.state(robot.configuration(joint_values(finding.pose, robot)))
     J = ospace.generalized_jacobian(state, robot.point(frame)).generalized_jacobian
     values = np.linalg.svd(np.r_[np.full(3, 1.0 / length), np.ones(3)][:, None] * J, compute_uv=False)
     return values[-1] / values[0]
@@ -60,7 +60,7 @@ def test_a_sliding_joint_counts_in_the_same_length():
     point = robot.point("link_6")
     finding = nearest(robot, "link_6")[0]
     length = float(re.search(r"L = (\S+) m", finding.message)[1])
-    state = robot.state(robot.configuration(_pose(finding.pose, robot)))
+    state = robot.state(robot.configuration(joint_values(finding.pose, robot)))
     J = ospace.generalized_jacobian(state, point).generalized_jacobian
     slides = [robot.model.joints[j].shortname().startswith("JointModelP") for j in range(2, robot.model.njoints)]
     J = np.r_[np.full(3, 1.0 / length), np.ones(3)][:, None] * J * np.where(slides, length, 1.0)
