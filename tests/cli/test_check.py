@@ -67,7 +67,7 @@ def urdf(tmp_path):
 
 @pytest.fixture
 def run(capsys):
-    """Run the command in this process; exit status, standard output, standard error but for kernels that are compiled."""
+    """Run the command in this process; exit status, output, standard error but for kernels that are compiled."""
 
     def call(*arguments):
         try:
