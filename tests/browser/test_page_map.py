@@ -109,6 +109,7 @@ def test_a_cube_tells_its_posture_and_takes_the_robot_there(opened):
     x, y = page.evaluate(SEEN, cube)
     page.mouse.move(x - 3, y)
     page.mouse.move(x, y)
+    page.wait_for_function("document.querySelector('#pane').title")
     hint = page.get_attribute("#pane", "title")
     posture = found.voxels.at_high[cube, 1]
     assert hint.startswith(f"smallest singular value of J*, largest: {found.voxels.high[cube, 1]:.4g} with the hand")

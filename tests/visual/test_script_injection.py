@@ -64,7 +64,7 @@ class Elements(HTMLParser):
         self.feed(page)
 
     def handle_starttag(self, tag, attributes):
-        if tag not in ("g", "use", "path"):  # of which curves have as many as there are ticks
+        if tag not in ("g", "use", "path", "text"):  # of which curves have as many as there are ticks
             self.found.append((tag, *(name for name, _ in attributes)))
 
 
