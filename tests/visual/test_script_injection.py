@@ -55,6 +55,10 @@ def scenario(names):
     )
 
 
+DRAWN = ("g", "use", "path", "text", "tspan", "defs", "clippath", "rect", "line", "circle")
+"""Of these, curves have as many as there are ticks and points, which differ where times are measured."""
+
+
 class Elements(HTMLParser):
     """Elements of a page in their order, each with the names of its attributes."""
 
@@ -64,7 +68,7 @@ class Elements(HTMLParser):
         self.feed(page)
 
     def handle_starttag(self, tag, attributes):
-        if tag not in ("g", "use", "path", "text"):  # of which curves have as many as there are ticks
+        if tag not in DRAWN:
             self.found.append((tag, *(name for name, _ in attributes)))
 
 
