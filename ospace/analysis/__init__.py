@@ -2,7 +2,7 @@
 
 from ospace.analysis.arm import Arm
 from ospace.analysis.arm_map import ArmMap, map_arm
-from ospace.analysis.base_motion import base_displacement, base_motion, base_turn
+from ospace.analysis.base_motion import base_motion, base_turn
 from ospace.analysis.bias_derivative import bias_acceleration_derivative, bias_force_derivative
 from ospace.analysis.measures import (
     DisturbanceMap,
@@ -26,6 +26,7 @@ from ospace.analysis.rates import (
 )
 from ospace.analysis.rays import Rays, reach_along
 from ospace.analysis.workspace_shells import Workspaces, workspaces
+from ospace.model.base_displacement import base_displacement
 
 __all__ = [
     "Arm",

@@ -21,13 +21,13 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 from scipy.interpolate import CubicSpline
-from scipy.spatial.transform import Rotation
 
 from ospace.checks import check_kind, checked_numbers, checked_vector
 from ospace.dynamics.generalized_jacobian import base_generalized_jacobian
 from ospace.dynamics.joint_space import joint_space_dynamics
 from ospace.exceptions import OspaceError
 from ospace.kernels.tree import Floats
+from ospace.model.base_displacement import base_displacement
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State
 
@@ -87,24 +87,6 @@ def base_motion(
         centre = centre_0 + kept[:3] * (times[k] - times[0]) / robot.total_mass
         poses[k] = pin.SE3ToXYZQUAT(pin.SE3(R, centre - R @ way.centre(way.q[k])))
     return poses
-
-
-def base_displacement(poses: Floats) -> Floats:
-    """Return how far a base has shifted and turned since its first pose.
-
-    Parameters
-    ----------
-    poses : (N, 7)
-        As `base_motion` returns them, or the first seven numbers of q.
-
-    Returns
-    -------
-    (N, 2) array
-        Shift of its origin, m, and angle of its turn, in [0, π] rad.
-    """
-    attitudes = Rotation.from_quat(poses[:, 3:])
-    shift = np.linalg.norm(poses[:, :3] - poses[0, :3], axis=1)
-    return np.column_stack([shift, (attitudes[0].inv() * attitudes).magnitude()])
 
 
 def base_turn(poses: Floats) -> float:

@@ -21,8 +21,6 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from scipy.interpolate import CubicSpline
-from scipy.spatial.transform import Rotation, RotationSpline
 
 from ospace.exceptions import OspaceError
 from ospace.kernels.minimum_jerk import rest_to_rest
@@ -74,6 +72,9 @@ def through(poses: Sequence[pin.SE3]) -> Path:
     OspaceError
         Two poses in a row are the same.
     """
+    from scipy.interpolate import CubicSpline  # as long to load as all the rest, and for such paths alone
+    from scipy.spatial.transform import Rotation, RotationSpline
+
     places = np.array([one.translation for one in poses])
     rotations = np.array([one.rotation for one in poses])
     way = np.linalg.norm(np.diff(places, axis=0), axis=1)

@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from ospace.analysis import base_displacement
 from ospace.control import Controller, Function, Task
 from ospace.control.controller import Limiting
 from ospace.control.references import Reference
 from ospace.kernels.tree import Floats
+from ospace.model.base_displacement import base_displacement
 from ospace.model.layout import Layout
 from ospace.model.robot import SpaceRobot
 from ospace.model.state import State

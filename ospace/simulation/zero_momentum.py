@@ -20,11 +20,11 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
-from ospace.analysis import base_displacement
 from ospace.dynamics.generalized_jacobian import base_generalized_jacobian
 from ospace.exceptions import OspaceError
 from ospace.kernels.minimum_jerk import minimum_jerk
 from ospace.kernels.tree import Floats, Ints
+from ospace.model.base_displacement import base_displacement
 from ospace.model.robot import SpaceRobot
 from ospace.results import Result
 

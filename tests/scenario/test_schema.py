@@ -139,3 +139,9 @@ def test_pydantic_is_imported_for_scenarios_alone(code):
         [sys.executable, "-c", f"import sys; {code}; sys.exit('pydantic' in sys.modules)"], timeout=60, check=False
     )
     assert done.returncode == 0
+
+
+def test_a_scenario_loads_no_splines_and_no_analysis():
+    names = "'scipy.interpolate', 'scipy.spatial', 'ospace.analysis'"
+    code = f"import sys, ospace.scenario; sys.exit(any(name in sys.modules for name in ({names})))"
+    assert subprocess.run([sys.executable, "-c", code], timeout=60, check=False).returncode == 0
