@@ -45,6 +45,13 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
             part.unlink(missing_ok=True)
 
 
+def write_text(path: str | os.PathLike[str], text: str) -> Path:
+    """Write a text in UTF-8, as `replacing` does; return the path."""
+    with replacing(path) as part:
+        part.write_text(text, encoding="utf-8")
+    return Path(path)
+
+
 def check_writable(path: str | os.PathLike[str]) -> None:
     """Raise `OSError` where `replacing` could not write `path`; what is there stays, and nothing else comes."""
     file, given = Path(os.path.realpath(path)), Path(path)

@@ -254,7 +254,7 @@ def _animated(given: argparse.Namespace, scene: Scene, motion: JointSweep | None
 def _write(given: argparse.Namespace, still: Callable[[], str], page: Callable[[], str]) -> str:
     """Write the picture of a page that stands still, and a page; return what was written."""
     from ospace.exceptions import printable
-    from ospace.files import replacing
+    from ospace.files import write_text
     from ospace.visual import browser
 
     written = []
@@ -262,10 +262,7 @@ def _write(given: argparse.Namespace, still: Callable[[], str], page: Callable[[
         browser.screenshot(still(), given.screenshot)
         written.append(f"wrote {printable(str(given.screenshot))}\n")
     if given.html:
-        text = page()
-        with replacing(given.html) as part:
-            part.write_text(text, encoding="utf-8")
-        size = given.html.stat().st_size / 1e6
+        size = write_text(given.html, page()).stat().st_size / 1e6
         written.append(f"wrote {printable(str(given.html))}: {size:.1f} MB, opened by any browser\n")
     return "".join(written)
 

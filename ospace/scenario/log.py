@@ -20,7 +20,7 @@ import pinocchio as pin
 
 import ospace
 from ospace.exceptions import OspaceError, printable
-from ospace.files import replacing
+from ospace.files import replacing, write_text
 from ospace.kernels.tree import Floats
 from ospace.results import Result
 from ospace.scenario import run_table
@@ -344,8 +344,7 @@ def to_csv(run: Run, folder: str | os.PathLike[str]) -> list[Path]:
     written = [run_table.write(run, to / "run.csv"), to / "phases.csv"]
     lines = ["phase,outcome,segment,start [s],end [s]"]
     lines += [f"{quoted(p.name)},{p.outcome},{p.segment},{p.start!r},{p.end!r}" for p in run.phases]
-    with replacing(written[1]) as part:
-        part.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_text(written[1], "\n".join(lines) + "\n")
     for k, phase in enumerate(run.phases):
         heading, columns = ["time [s]"], [phase.time]
         for task, errors in phase.errors.items():

@@ -15,7 +15,7 @@ import ospace
 from ospace.analysis import map_text
 from ospace.analysis.overview import POSTURES, Overview
 from ospace.exceptions import printable
-from ospace.files import replacing
+from ospace.files import write_text
 from ospace.urdf.bodies import Body, bodies_of, tensor_of
 from ospace.urdf.description import Description
 from ospace.urdf.lint import explain
@@ -95,9 +95,7 @@ def save(
         The file cannot be written.
     """
     text = render(report, description, name=name, urdf=urdf, package_dirs=package_dirs, hands=hands, about=about)
-    with replacing(path) as part:
-        part.write_text(text, encoding="utf-8")
-    return Path(path)
+    return write_text(path, text)
 
 
 def render(

@@ -16,7 +16,7 @@ import ospace
 from ospace.analysis import map_text
 from ospace.analysis.arm import Arm
 from ospace.analysis.map_result import MapResult
-from ospace.files import replacing
+from ospace.files import write_text
 from ospace.visual import map_plots, page
 from ospace.visual.page import Layer
 from ospace.visual.scene import Scene
@@ -50,9 +50,7 @@ def save(result: MapResult, path: str | PathLike[str], *, name: str) -> Path:
         The file cannot be written.
     """
     text = render(result, name=name)
-    with replacing(path) as part:
-        part.write_text(text, encoding="utf-8")
-    return Path(path)
+    return write_text(path, text)
 
 
 def render(result: MapResult, *, name: str) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from ospace.exceptions import OspaceError, printable
-from ospace.files import replacing
+from ospace.files import write_text
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint
 from ospace.model.robot import SpaceRobot
@@ -29,9 +29,7 @@ _SAME = 1e-9  # s: times that differ by rounding
 def save(run: Run, path: str | PathLike[str], about: Provenance | None = None) -> Path:
     """Write the report of a run to one HTML file, which needs no network; return its path."""
     text = render(run, about)
-    with replacing(path) as part:
-        part.write_text(text, encoding="utf-8")
-    return Path(path)
+    return write_text(path, text)
 
 
 def render(run: Run, about: Provenance | None = None, background: Background = "space") -> str:

@@ -15,7 +15,7 @@ from meshcat.animation import Animation
 
 from ospace.checks import real_numbers
 from ospace.exceptions import OspaceError, closest
-from ospace.files import replacing
+from ospace.files import write_text
 from ospace.kernels.tree import Floats
 from ospace.model.points import OperationalPoint, points_of
 from ospace.model.robot import SpaceRobot
@@ -416,10 +416,7 @@ class Scene:
         Path
             Of the file.
         """
-        file = Path(path)
-        with replacing(file) as part:
-            part.write_text(self.html(), encoding="utf-8")
-        return file
+        return write_text(path, self.html())
 
     def _repr_html_(self) -> str:
         return page.frame(self.html())
