@@ -62,7 +62,9 @@ def _arrays(stream: BinaryIO) -> dict[str, Any]:
     size = stream.seek(0, io.SEEK_END)
     stream.seek(max(0, size - 42))
     end = stream.read()
-    _, _, _, _, _, directory, _, _ = _END.unpack(end[-_END.size :])
+    mark, _, _, _, _, directory, _, _ = _END.unpack(end[-_END.size :])
+    if mark != b"PK\5\6":  # another file, or a remark follows, which NumPy does not write and which hides the sizes
+        raise ValueError
     if end.startswith(b"PK\6\7") or directory > _DIRECTORY:  # the former leads to another end, of 2⁶⁴ entries
         raise OspaceError("it holds more arrays than any run")
     with zipfile.ZipFile(stream) as file:

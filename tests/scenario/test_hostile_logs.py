@@ -102,6 +102,11 @@ def hidden_end(good):
     return good[:-22] + b"PK\6\7" + bytes(16) + good[-22:]
 
 
+def with_remark(content):
+    """Return an archive behind whose end stand letters, as the format allows; NumPy writes none."""
+    return content[:-2] + struct.pack("<H", 40) + bytes(40)
+
+
 def set_phase(key, value):
     return partial(with_about, lambda read: read["phases"][0].update({key: value}))
 
@@ -138,6 +143,8 @@ HOSTILE = {
     "4 GB": bomb,
     "10⁶ entries": many_entries,
     "another end": hidden_end,
+    "a remark": with_remark,
+    "10⁶ entries and a remark": lambda good: with_remark(many_entries(good)),
     "a segment of 0.0": set_phase("segment", 0.0),
     "a segment of true": set_phase("segment", True),
     "a segment of -1": set_phase("segment", -1),
@@ -164,6 +171,13 @@ def test_a_hostile_log_is_refused_in_one_line(good, tmp_path, name):
         assert "\n" not in str(refused.value)
         assert len(str(refused.value)) < 1000
     assert (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) * 1024 < 0.5 * GIGABYTE
+
+
+@pytest.mark.parametrize("content", [b"<robot/>" * 100, b"no archive" * 100])
+def test_another_file_is_called_so(tmp_path, content):
+    (tmp_path / "robot.urdf").write_bytes(content)
+    with pytest.raises(OspaceError, match=r"it is no whole \.npz file of numbers"):
+        log.load(tmp_path / "robot.urdf")
 
 
 @pytest.mark.parametrize("value", [1e308, -1e308, 1e101])
