@@ -12,7 +12,7 @@ import sys
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import ospace
 from ospace.cli import os_errors, output, streams
@@ -43,6 +43,12 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, **given: Any) -> None:
         super().__init__(allow_abbrev=False, formatter_class=Help, **given)
+
+    def error(self, message: str) -> NoReturn:
+        """End with the usage, and a message of which a terminal obeys nothing."""
+        from ospace.exceptions import printable_lines
+
+        super().error(printable_lines(message))
 
 
 def parser() -> Parser:
