@@ -55,15 +55,16 @@ class CollisionGeometry:
         self,
         robot: SpaceRobot,
         solids: tuple[Solid, ...],
-        visual: tuple[str, ...] = (),
-        unread: Mapping[str, str] | None = None,
+        visual: tuple[str, ...],
+        unread: Mapping[str, str],
+        first: SpaceRobot | None = None,
     ) -> None:
-        self.robot, self.solids, self.visual = robot, solids, visual
-        self.unread = dict(unread or {})
+        self.robot, self.solids, self.visual, self.unread = robot, solids, visual, unread
+        self._first = first or robot
 
     @classmethod
     def of(cls, robot: SpaceRobot) -> CollisionGeometry:
-        """Return the geometry of a robot that was read from a file; the same one each time.
+        """Return the geometry of a robot that was read from a file; its shapes are read once.
 
         Parameters
         ----------
@@ -83,7 +84,7 @@ class CollisionGeometry:
         known = _KNOWN.get(robot)
         if known is None:
             known = _KNOWN[robot] = _read(robot)
-        return known
+        return cls(robot, *known)
 
     @property
     def links(self) -> list[str]:
@@ -111,28 +112,23 @@ class CollisionGeometry:
             return self
         names, known = self.robot.model.names, robot.model
         solids = tuple(one._replace(joint=int(known.getJointId(names[one.joint]))) for one in self.solids)
-        made = _Elsewhere(robot, solids, self.visual, self.unread)
-        made.first = self
-        return made
+        return CollisionGeometry(robot, solids, self.visual, self.unread, self._first)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copy by reading it again: solids of Coal are not pickled."""
-        return CollisionGeometry.of, (self.robot,)
+        return _again, (self._first, self.robot)
 
 
-class _Elsewhere(CollisionGeometry):
-    """Geometry of another robot."""
-
-    first: CollisionGeometry
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return CollisionGeometry.on, (self.first, self.robot)
+def _again(first: SpaceRobot, robot: SpaceRobot) -> CollisionGeometry:
+    return CollisionGeometry.of(first).on(robot)
 
 
-_KNOWN: WeakKeyDictionary[SpaceRobot, CollisionGeometry] = WeakKeyDictionary()
+_Shapes = tuple[tuple[Solid, ...], tuple[str, ...], dict[str, str]]
+_KNOWN: WeakKeyDictionary[SpaceRobot, _Shapes] = WeakKeyDictionary()
+"""Solids, links of which <visual> shapes count, and what is unread; nothing of these holds the robot."""
 
 
-def _read(robot: SpaceRobot) -> CollisionGeometry:
+def _read(robot: SpaceRobot) -> _Shapes:
     description, urdf = robot.description, robot.source
     if description is None or urdf is None:
         raise OspaceError(
@@ -152,4 +148,4 @@ def _read(robot: SpaceRobot) -> CollisionGeometry:
                     solids.append(Solid(link.name, int(frame.parentJoint), frame.placement * T, geometry))
             except (MeshError, ValueError) as error:
                 unread[link.name] = str(error)
-    return CollisionGeometry(robot, tuple(solids), tuple(visual), unread)
+    return tuple(solids), tuple(visual), unread

@@ -56,10 +56,10 @@ def pair_table(geometry: CollisionGeometry, clearance: float = 0.0, *, sampled: 
     open_ = [pair for pair, reason in table.items() if reason == "watched"]
     if not (open_ and sampled):
         return table
-    ranges = _RANGES.get(geometry)
-    if ranges is None:
-        ranges = _RANGES[geometry] = _ranges(geometry, open_)
-    for pair, at_zero, nearest, farthest in zip(open_, *ranges, strict=True):
+    known, pairs = _RANGES.setdefault(geometry.robot, {}), tuple(open_)
+    if pairs not in known:
+        known[pairs] = _ranges(geometry, pairs)
+    for pair, at_zero, nearest, farthest in zip(pairs, *known[pairs], strict=True):
         if at_zero <= _TOUCHING:
             table[pair] = "overlap at zero"
         elif farthest < clearance:
@@ -69,7 +69,8 @@ def pair_table(geometry: CollisionGeometry, clearance: float = 0.0, *, sampled: 
     return table
 
 
-_RANGES: WeakKeyDictionary[CollisionGeometry, tuple[Floats, Floats, Floats]] = WeakKeyDictionary()
+_RANGES: WeakKeyDictionary[SpaceRobot, dict[tuple[Pair, ...], tuple[Floats, Floats, Floats]]] = WeakKeyDictionary()
+"""Of the pairs of a robot: its geometries have links of different names, its own or those of what it holds."""
 
 
 def _ranges(geometry: CollisionGeometry, pairs: Sequence[Pair]) -> tuple[Floats, Floats, Floats]:

@@ -1,7 +1,9 @@
 """Shapes of links as solids: distances are those of Pinocchio's own geometry, and hulls hold their meshes."""
 
 import copy
+import gc
 import pickle
+import weakref
 
 import coal
 import numpy as np
@@ -12,7 +14,7 @@ import trimesh
 
 import ospace
 from ospace.collision import CollisionGeometry, DistanceSolver
-from ospace.collision.pairs import solver_of_links
+from ospace.collision.pairs import pair_table, solver_of_links
 from ospace.exceptions import OspaceError
 from ospace.validation.sampling import random_state
 
@@ -129,6 +131,16 @@ def test_a_copy_has_the_same_solids(copied):
     twin = copied(geometry)
     assert [one.link for one in twin.solids] == [one.link for one in geometry.solids]
     assert all(a.placement == b.placement for a, b in zip(twin.solids, geometry.solids, strict=True))
+
+
+def test_a_robot_is_let_go_though_its_shapes_were_read():
+    robot = ospace.SpaceRobot.from_urdf(ospace.models.path("ets_vii"))
+    assert CollisionGeometry.of(robot).solids[0].geometry is CollisionGeometry.of(robot).solids[0].geometry  # read once
+    pair_table(CollisionGeometry.of(robot))
+    alive = weakref.ref(robot)
+    del robot
+    gc.collect()
+    assert alive() is None
 
 
 def test_a_robot_of_a_model_has_no_shapes():
