@@ -241,7 +241,8 @@ class _Names:
         """Return the grasp as it could be, where it can be made."""
         known = len(self.problems)
         if name is not None and name in self._held:
-            self.problems.append((table.key, "the target is held already"))
+            remedy = "leave out the grasp, and the task alone brings the hand there, or let go before: release = true"
+            self.problems.append((table.key, f"the target is held already, and one hand holds a target: {remedy}"))
         self._frame(table.path("hand"), table.hand, self.scenario.robot.name, self.scenario.robot.frame_names)
         target = self.scenario.targets.get(name or "")
         if target is None:

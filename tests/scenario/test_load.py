@@ -192,7 +192,7 @@ MISTAKES = {
         "release = true",
         'grasp = { hand = "end_effector", fixture = "grapple" }',
         "phase[2].grasp",
-        "held already",
+        "held already, and one hand holds a target: leave out the grasp",
     ),
     "no table": ('hold = "500 ms" }', 'hold = "500 ms" }\nofset = 3', "phase[0].task[0].ofset", "'offset'"),
     "model and body": ('model = "target"', 'model = "target"\nbody = {mass = 1}', "target", "either model"),
